@@ -8,15 +8,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include "cloud_measures.h"
-#include "cover/level_cover.h"
+#include "cover/cover.h"
 #include "fit_plan.h"
-#include "fit_steps.h"
-#include "fit_with_constants.h"
+#include "measures/measures.h"
+#include "orient.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
-#include "sides/sided_store.h"
+#include "trim/trim.h"
 
 namespace pcl_slim {
 

@@ -3,14 +3,15 @@
 
 #include <cstddef>
 
-#include "pcl_slim/cloud/detail/noise.h"
-#include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::detail {
 
 constexpr double kGolden = 0.6180339887498949;  ///< gamma of eq. (5): the golden section, no choice
 
-/** \brief The values of the named presets, presets.h (docs/theory.md, "Where the default departs
+/** \brief The values of the presets (docs/theory.md, "Where the default departs
  * from the paper", "T given" and "Sharp features"). */
 struct PresetConstants {
   int degree = 4;                    ///< polynomial degree
@@ -26,85 +27,6 @@ struct PresetConstants {
   double thick = 5.0;                ///< balls below this many sqrt(lambda) are noise-filled
   double thick_with_t = 4.0;         ///< the same where T is given
   float sharp_bound = 0.5f;          ///< the normal bound with sharp features [cosine]
-};
-
-/** \brief The tuning constants of the search for a ball's radius.
- *
- * Each group names the paragraph of docs/theory.md that explains it. "Ratio" means a number
- * without a unit; lambda is the noise variance, P the number of coefficients, n_eff the effective
- * number of points, e the RMS residual and r the radius.
- */
-struct RadiusConstants {
-  // "Balls of a few sigma": e^2 under falling weights.
-  double least_seen_share = 0.2;  ///< ratio; e^2 shows at least this share of the variance
-
-  // "One fit, step by step", 3 (Levels): a ball that is divided after a look at part of its points.
-  double sure_margin = 1.3;  ///< ratio of E, or of e^2, that a part of the points cannot miss
-
-  // "One fit, step by step", 5 (Radius): a minimum of E inside the interval.
-  int lenient_steps = 2;  ///< number of bisections of log r for the largest radius allowed
-
-  // "Not reproduced": where the paper's rule ends its bracket.
-  int brent_steps = 6;        ///< number of parabolic steps at most
-  double brent_width = 0.05;  ///< ratio; width of the bracket in log r, far within which E is flat
-
-  // "Guards", Minimum support.
-  int support_steps = 8;         ///< number of steps towards the minimum-support radius at most
-  double support_margin = 1.02;  ///< ratio; n_eff up to this many times the least support will do
-  double support_aim = 1.01;     ///< ratio of n_eff to the least support that a step aims at
-  double support_lenience =
-      1.3;  ///< ratio of E; a wider ball is taken up to this many times E there
-
-  // "Guards", Thin data.
-  double scattered_ratio = 0.02;  ///< e / r beyond which few points make no surface
-
-  // "Two fits on the same points".
-  double noise_like = 1.5;         ///< e^2 [lambda] up to which a ball contains only noise
-  double comparison_rise = 1.3;    ///< ratio of E beyond which the wide ball's rim is off too far
-  double comparison_worth = 0.46;  ///< ratio of D^2 to the variance saved, times kappa
-  double comparison_trust = 2.0;   ///< factor on that if E favours the wide ball as well
-  int comparison_radii = 4;        ///< number of radii from r_r down to r_m, r_r among them
-  int least_degree = 2;            ///< lowest degree that is compared
-  double degree_support = 9.0;     ///< n_eff / P from which a degree can be found to be too high
-
-  // "Detail below the noise".
-  double detail_support = 8.0;     ///< ratio of n_eff to the least support, for finer balls
-  double detail_deviations = 3.0;  ///< ratio of shared variance to its deviation, at least
-  double detail_worth = 0.5;       ///< ratio of the shared variance to the penalty on E, at least
-  double detail_cell = 3.0;        ///< least width of a cell in units of sqrt(lambda)
-  double points_per_cell = 8.0;    ///< number of points; more would hide fine detail
-  int least_cells = 2;             ///< number of cells along a side
-  int most_cells = 32;             ///< number of cells along a side
-  double absorbed_share = 0.4;  ///< of P / n_eff; what a fit follows of the noise in its inner part
-
-  // "Degree at features".
-  int feature_degree = 2;        ///< the degree that is tried there
-  int feature_steps = 4;         ///< number of radii tried for it
-  double feature_step = 0.75;    ///< ratio of each of these radii to the last
-  double feature_support = 1.5;  ///< n_eff / P that it needs
-  double feature_noise = 1.15;   ///< e^2 in units of lambda that is more than noise
-  double feature_height = 0.01;  ///< e / r that no smooth surface leaves
-  double feature_gain = 0.9;     ///< ratio of expected errors that the lower degree must reach
-
-  // "Guards", The fit that is kept, and outliers.
-  int robust_passes = 2;      ///< number of fits with robust weights
-  double robust_scale = 2.5;  ///< scale of the weights in deviations of the noise
-};
-
-/** \brief Whether normals are measured apart from the points (docs/theory.md, "Normals as data").
- */
-struct NormalErrorConstants {
-  std::size_t samples = 1000;       ///< patches looked at
-  std::size_t least_patches = 100;  ///< patches that a result takes
-  std::size_t neighbors = 64;     ///< points of a patch: wider than most estimates of normals reach
-  std::size_t least_points = 48;  ///< points of a patch on the sample's own side
-  std::size_t tilt_points = 9;    ///< the sample and its nearest, for the tilt of heights
-  std::size_t pairs = 4;          ///< nearest neighbours that the sample is paired with
-  float own_side = 0.3f;          ///< least cosine with the sample's normal
-  double least_cosine = 0.1;      ///< least cosine that a slope is read from
-  double trim = 0.1;              ///< share of patches left out at either end of the mean
-  double with_heights = 0.15;     ///< correlation with the points' tilt from which it repeats them
-  double with_neighbors = 0.03;   ///< correlation with neighbours from which they repeat them
 };
 
 /** \brief Two sheets in one ball (docs/theory.md, "Sheets"). */
@@ -169,35 +91,6 @@ struct OrientConstants {
   std::size_t blocks = 128;  ///< of points that vote on a leaf's side, at most
 };
 
-/** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
- * unless brackets give another unit. */
-struct TrimConstants {
-  double known = 1.15;         ///< [r] points are gathered within
-  double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
-  double growth = 0.3;         ///< a sample owns this much beyond itself, plus half a cell
-  double cell = 0.5;           ///< width of a raster's cells
-  double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
-  double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
-  int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
-  std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
-};
-
-/** \brief Where the data end (docs/theory.md, "Borders"). */
-struct BorderConstants {
-  std::size_t near_points = 24;  ///< nearest ones, which give plane and sectors
-  double noise = 5.0;            ///< [RMS noise] all nearer ones are among these
-  double blind = 0.3;            ///< [their reach] nearer ones point anywhere
-  double sector = 1.75;          ///< [radians] empty next to a border
-  double turn = 0.4;             ///< [radians] discs are also tried this much to either side
-  double edge = 0.8;       ///< least cosine between the planes of a point and of its surfel ...
-  double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] is small enough
-  double far = 10.0;       ///< [spacing] a gap as wide needs no other side, and no rim
-  double disc = 1.2;       ///< [smallest hole] chance leaves narrower discs empty
-  double near = 3.0;       ///< [spacing] points are counted on the other side of a gap
-  double rim_share = 0.8;  ///< of the neighbours expected there
-  int places = 12;         ///< in a surfel's gaps whose rims are looked at
-};
-
 /** \brief The search for a target error or a number of surfels (docs/theory.md, "The penalty, target
  * error and number of surfels"). */
 struct PenaltySearchConstants {
@@ -209,7 +102,8 @@ struct PenaltySearchConstants {
   double least_variance = 1e-24;  ///< lambda [local length squared] that log-log starts from
 };
 
-/** \brief Every tuning constant of the fit; nothing else decides. Paragraphs are those of
+/** \brief The tuning constants that fitWithConstants() may override. Those of one step alone, such as
+ * RadiusConstants, TrimConstants and BorderConstants, stand at that step. Paragraphs are those of
  * docs/theory.md. Lengths are in the units that square brackets name; what has no unit is a ratio
  * or a count. */
 struct FitConstants {
@@ -217,23 +111,23 @@ struct FitConstants {
   NoiseConstants noise;
   SideConstants sides;
   NormalBoundConstants normal_bound;
-  NormalErrorConstants normal_error;
   BallConstants ball;
-  RadiusConstants radius;
   CoverConstants cover;
   OrientConstants orient;
-  TrimConstants trim;
-  BorderConstants border;
   PenaltySearchConstants penalty_search;
 };
 
-/** \brief What sums in float can resolve (docs/theory.md, "One ball"). No tuning: they follow from
- * the format of the numbers, and the kernels know them at compile time. */
-struct FloatLimits {
-  static constexpr double kPivot = 3e-6;         ///< relative pivots of the normal equations
-  static constexpr double kResidual = 1e-3;      ///< share of sum w z^2 that differences keep
-  static constexpr float kSlopeCosine = 0.01f;   ///< least cosine with w that a slope is read from
-  static constexpr double kNormalLength = 1e-6;  ///< least length of a mean of unit normals
-};
+/** \brief fitSurface() with other tuning constants than the library's: for measuring what each is
+ * worth. */
+Error
+fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                 Progress* progress = nullptr);
+
+/** \brief The same of a store that keeps the sides found. */
+Error
+fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                 Progress* progress = nullptr);
 
 }  // namespace pcl_slim::detail

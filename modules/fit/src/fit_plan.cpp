@@ -2,7 +2,117 @@
 #include "fit_plan.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "cover/cover.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+namespace {
+
+constexpr double kLeastHole = 2.0;  ///< spacings: smaller gaps are between neighbours
+constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, no ball spans them
+constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals without information
+
+Error
+bad(const char* text)
+{
+  return {ErrorCode::kBadArgument, text};
+}
+
+/** Checks the parameters of the noise, one by one and together. */
+Error
+validateNoise(const FitParams& params)
+{
+  const double tau = params.noise_correlation.value_or(1);
+  if (!(tau >= 1) || !std::isfinite(tau))
+    return bad("1 point or more share their errors (0: told by the data)");
+  if (tau > 1 && (params.hasThreshold() || params.paper_mode))
+    return bad("T_MDL and the paper's choices leave no room for shared errors: drop one");
+  if (!params.noise_model) return {};
+  const auto& [a, b, c] = *params.noise_model;
+  const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!valid(a) || !valid(b) || !valid(c) || !(a + b + c > 0))
+    return bad("the noise model's a, b, c must not be negative nor all 0");
+  if (params.lambda || params.local_noise == true || params.hasThreshold() || params.paper_mode)
+    return bad(
+        "a noise model stands in place of lambda, local noise, T_MDL and the paper's choices: give "
+        "one");
+  return {};
+}
+
+bool
+isPositive(double value)
+{
+  return value > 0 && std::isfinite(value);
+}
+
+Error
+validateSize(const SizeRule& size)
+{
+  if (const auto* penalty = std::get_if<PenaltyWeight>(&size)) {
+    if (!isPositive(penalty->kappa.value_or(1)))
+      return bad("the penalty kappa must be positive (0: by the other parameters)");
+  } else if (const auto* threshold = std::get_if<MDLThreshold>(&size)) {
+    if (!isPositive(threshold->t)) return bad("T_MDL must be positive (0: unused)");
+  } else if (const auto* target = std::get_if<TargetError>(&size)) {
+    if (!(target->rms > 0 && target->rms <= 1))
+      return bad("the target error is a share of the diagonal: 0 to 1");
+  } else if (const auto* most = std::get_if<MaxSurfels>(&size)) {
+    if (most->leaves == 0) return bad("a surface has one surfel or more: raise their number");
+  } else if (!isPositive(std::get<NoiseFactor>(size).factor)) {
+    return bad("the noise factor must be positive (0: unused)");
+  }
+  return {};
+}
+
+}  // namespace
+
+Error
+FitParams::validate() const
+{
+  if (degree && (*degree < 1 || *degree > kMaxDegree))
+    return bad("the polynomial degree must be 1, 2, 3 or 4 (0: by the other parameters)");
+  if (Error error = validateSize(size)) return error;
+  if (!isPositive(lambda.value_or(1))) return bad("lambda must be positive (0: estimated)");
+  if (cover_radius && !(*cover_radius > 0 && *cover_radius <= 1))
+    return bad("the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)");
+  if (!(cover_threshold > 0 && cover_threshold <= 1))
+    return bad("the cover threshold gamma must lie in (0, 1]");
+  if (!isPositive(least_radius.value_or(1)))
+    return bad("the least radius of balls must not be negative (0: none)");
+  if (normal_error && !(*normal_error > 0 && *normal_error <= kMostNormalError))
+    return bad("the normals' error lies between 0 and pi/2 radians (0: measured)");
+  if (normal_error && !normals_as_data)
+    return bad("an error of normals matters where they are data: ask for that too, or leave it");
+  if (normals_as_data && (hasThreshold() || paper_mode)) {
+    return bad(
+        "normals as data are weighed against the noise, which T_MDL and the paper's mode leave "
+        "open: drop one");
+  }
+  if (Error error = checkThreads(threads)) return error;
+  if (!(hole_size >= kLeastHole && hole_size <= kMostHole))
+    return bad("the smallest hole's size must be 2 to 50 spacings of the points");
+  if (Error error = validateNoise(*this)) return error;
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (viewpoint && !std::all_of(viewpoint->begin(), viewpoint->end(), finite))
+    return bad("the viewpoint must be finite");
+  return {};
+}
+
+FitParams
+FitParams::resolved() const
+{
+  return resolvedParams(*this, PresetConstants());
+}
+
+}  // namespace pcl_slim
 
 namespace pcl_slim::detail {
 
@@ -117,6 +227,178 @@ planFor(const PointStore& store, const FitParams& params, const FitConstants& co
   plan.noise_profile = measures.noise_profile;
   plan.normal_error = measures.normal_error;
   return plan;
+}
+
+namespace {
+
+constexpr std::size_t kGrain = 16;  ///< pieces a thread takes at a time; no result depends on it
+
+void
+setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface)
+{
+  surface.cx[i] = r.center[0];
+  surface.cy[i] = r.center[1];
+  surface.cz[i] = r.center[2];
+  surface.nx[i] = r.normal[0];
+  surface.ny[i] = r.normal[1];
+  surface.nz[i] = r.normal[2];
+  surface.radius[i] = r.radius;
+  surface.error[i] = r.error;
+  surface.effective_count[i] = r.effective_count;
+  surface.degree[i] = r.degree;
+  surface.level[i] = r.level;
+  surface.flags[i] = r.flags;
+  const auto stride = static_cast<std::size_t>(surface.stride());
+  std::copy_n(r.c.begin(), stride,
+              surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
+}
+
+SurfaceInfo
+makeInfo(const PointStore& store, const FitPlan& plan)
+{
+  SurfaceInfo info;
+  info.degree = plan.degree;
+  info.fit_kernel = plan.fit_kernel;
+  info.blend_kernel = plan.paper ? WeightKernel::kGaussian : WeightKernel::kPower4;
+  info.oriented = store.hasSides();
+  info.paper_mode = plan.paper;
+  info.origin = store.origin();
+  info.scale = store.scale();
+  info.diagonal = store.diagonal();
+  const double diagonal = store.diagonal();
+  const bool has_extent = diagonal > 0;  // of one place there is no share
+  info.lambda = has_extent ? plan.energy.lambda / (diagonal * diagonal) : 0.0;
+  info.penalty = plan.energy.t_mdl > 0 ? 0.0 : plan.energy.kappa;
+  info.t_mdl = has_extent ? plan.energy.t_mdl / diagonal : 0.0;
+  info.cover_radius = plan.alpha;
+  info.cover_threshold = plan.gamma;
+  info.num_points = store.size();
+  return info;
+}
+
+void
+countSurfels(const SLIMSurface& surface, FitStatistics& stats)
+{
+  double weight = 0, sum = 0;
+  stats.leaves_per_level.assign(static_cast<std::size_t>(stats.last_level) + 1, 0);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    stats.reduced_degree += surface.degree[i] < surface.info.degree;
+    if (!surface.isLeaf(i)) continue;
+    ++stats.leaves;
+    stats.open_leaves += surface.isOpen(i);
+    ++stats.leaves_per_level[surface.level[i]];
+    stats.support_limited += (surface.flags[i] & kSurfelSupportLimited) != 0;
+    weight += surface.effective_count[i];
+    sum += static_cast<double>(surface.effective_count[i]) * surface.error[i] * surface.error[i];
+  }
+  stats.internals = surface.size() - stats.leaves;
+  stats.rms_error = weight > 0 ? std::sqrt(sum / weight) / surface.info.diagonal : 0.0;
+}
+
+void
+countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& stats)
+{
+  const PointCounts counts = cover.countPoints();
+  stats.points = store.size();
+  stats.uncovered = counts.uncovered;
+  stats.unsupported = counts.unsupported;
+  stats.unresolved = counts.unresolved;
+  stats.skipped_normals = counts.lone_normals;
+  const BallCounters balls = cover.counters();
+  stats.split_sheets = balls.split_sheets;
+  stats.gathered = balls.gathered;
+  stats.never_gathered = store.size() - std::min<std::uint64_t>(store.size(), balls.tried);
+  stats.line_balls = balls.lines;
+  stats.fits = balls.fits.fits;
+  stats.fell_by_support = balls.fits.fell_by_support;
+  stats.fell_by_pivot = balls.fits.fell_by_pivot;
+  stats.least_pivot = balls.fits.least_pivot;
+  stats.last_level = cover.lastLevel();
+  stats.working_bytes = cover.peakBytes();
+}
+
+constexpr std::uint64_t kFewCovered =
+    100;                                  ///< a fit that covers less than 1 point in 100 has failed
+constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf takes
+
+}  // namespace
+
+int
+startLevel(const PointStore& store, const FitPlan& plan)
+{
+  if (plan.paper) return 1;
+  const CoverConstants& constants = plan.constants.cover;
+  const std::size_t samples = std::min(constants.start_samples, store.size());
+  const auto most = static_cast<std::size_t>(plan.start_share * static_cast<double>(store.size()));
+  std::vector<std::uint32_t> blocks;
+  int level = 1;
+  const auto isLast = [&](int k) { return !plan.resolves(k + 1) || !plan.allows(k + 1); };
+  for (; level < constants.last_start && !isLast(level); ++level) {
+    std::size_t crowded = 0;
+    for (std::size_t s = 0; s < samples; ++s) {
+      const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));
+      const float center[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]),
+                               static_cast<float>(p[2])};
+      blocks.clear();
+      // Blocks are counted in place of points: enough for a choice between factors of 1.6.
+      store.tree().blocksInBall(center, static_cast<float>(plan.levelRadius(level)), blocks);
+      crowded +=
+          blocks.size() * PointStore::kBlock > most + constants.start_slack * PointStore::kBlock;
+    }
+    if (2 * crowded <= samples) return level;
+  }
+  return level;
+}
+
+void
+fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+            SLIMSurface& surface)
+{
+  surface.info = makeInfo(store, plan);
+  const std::vector<LevelCover::Piece> pieces = cover.pieces();
+  if (pieces.empty()) return;
+  const LevelCover::Piece& last = pieces.back();
+  surface.resize(last.first + static_cast<std::size_t>(last.end - last.begin));
+  parallelFor(pieces.size(), threads, kGrain, [&](std::size_t p, int) {
+    std::size_t i = pieces[p].first;
+    for (const SurfelRecord* r = pieces[p].begin; r != pieces[p].end; ++r)
+      setSurfel(i++, *r, surface);
+  });
+}
+
+Error
+checkLeaves(const PointStore& store, const FitStatistics& stats)
+{
+  const std::uint64_t covered = stats.points - std::min(stats.points, stats.uncovered);
+  if (stats.leaves > 0 && covered >= stats.points / kFewCovered) return {};
+  const std::string points = std::to_string(store.size());
+  std::string why = "the " + points +
+                    " points lie along lines or scattered, nowhere along a surface: give more "
+                    "points beside them";
+  if (store.statistics().without_normal > store.size()) {
+    why = "only " + points +
+          " of the points have a usable normal, which are no surface: fit without "
+          "normals, or mend them";
+  } else if (store.size() < kFewPoints) {
+    why = points + (store.size() == 1 ? " distinct point is" : " distinct points are") +
+          " too few for a surface: give a dozen or more";
+  } else if (2 * stats.unresolved >= store.size()) {
+    why = "of the " + points + " points, " + std::to_string(stats.unresolved) +
+          " lie in groups a millionth as wide as all of them are: fit each group by itself";
+  }
+  return {ErrorCode::kNoSurface, why};
+}
+
+void
+countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
+         FitStatistics& stats)
+{
+  countPoints(store, cover, stats);
+  countSurfels(surface, stats);
+  stats.levels_skipped = stats.first_level - 1;
+  stats.lambda = surface.info.lambda;
+  stats.penalty = surface.info.penalty;
+  stats.t_mdl = surface.info.t_mdl;
 }
 
 }  // namespace pcl_slim::detail

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What the inner steps of a fit go by, and the steps before and after the cover, which the fit of a store and
+// that of a tile share.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "fit_constants.h"
+#include "least_squares/least_squares.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
-#include "radius/energy.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
+
+class LevelCover;
 
 /** \brief What the fit knows of a cloud's errors, stated by the user or measured. Local units. */
 struct CloudMeasures {
@@ -22,6 +29,67 @@ struct CloudMeasures {
   double normal_error = 0;           ///< > 0: normals are data too, this many radians off
   float min_dot = 0;                 ///< the normal bound: normals nearer than this belong together
   bool skip_lone_sides = false;      ///< no leaf starts at a point whose neighbours face elsewhere
+};
+
+/** \brief What a radius costs: residual plus a penalty on small balls. All in local units
+ * (docs/theory.md, "One fit, step by step", 5 (Radius), and the rows "penalty", "residual" and
+ * "slope" of "Where the default departs from the paper"). */
+struct Energy {
+  /// "Balls of a few sigma": e^2 under falling weights shows at least this share of the variance.
+  static constexpr double kLeastSeenShare = 0.2;
+
+  double lambda = 0;       ///< noise variance
+  double correlation = 1;  ///< tau: this many points share one error and count as one
+  double kappa = 0;        ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
+  double t_mdl = 0;        ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  double thick = 5.0;      ///< balls below this many sqrt(lambda) are noise-filled
+  bool corrected = true;   ///< residual variance over n - P degrees of freedom (not in the paper)
+
+  /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
+  double operator()(const LocalFit& fit, double r, double gather_radius) const
+  {
+    double e_sq = variance(fit, gather_radius);
+    if (corrected) {
+      // Weights fall with height, too: a thin ball measures e^2 = s^2 / (1 + a s^2 / r^2) of a noise
+      // variance s^2, and a noise-filled ball little but its own size.
+      const double truncation = heightTruncation(fit.kernel);
+      e_sq /= std::max(kLeastSeenShare, 1.0 - truncation * e_sq / (r * r));
+      if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
+      const double freedom = degreesOfFreedom(fit);
+      if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
+      e_sq *= fit.n_eff / freedom;
+    }
+    return e_sq + fit.slope_misfit * gather_radius * gather_radius + penalty(fit, r);
+  }
+
+  /** \brief e^2 across the surface: over a slope s noise scatters heights by 1 + s^2 times
+   * its variance. What a fit misses of the shape keeps its height. */
+  double variance(const LocalFit& fit, double gather_radius) const
+  {
+    const double e_sq = fit.residual_sq * gather_radius * gather_radius;
+    // With T given balls may shrink until they follow the noise, whose slopes must not excuse them.
+    if (!corrected || t_mdl > 0) return e_sq;
+    return std::max(e_sq / (1.0 + fit.slope_sq), e_sq - lambda * fit.slope_sq);
+  }
+
+  /** \brief The part of E(r) that small balls pay. */
+  double penalty(const LocalFit& fit, double r) const
+  {
+    if (t_mdl > 0) return lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
+    return kappa * lambda * correlation * numCoefficients(fit.degree) / fit.n_eff;
+  }
+
+  /** \brief Degrees of freedom of a fit's residuals: each coefficient takes as many points as share one
+   * error. */
+  double degreesOfFreedom(const LocalFit& fit) const
+  {
+    const double freedom = fit.n_eff - correlation * numCoefficients(fit.degree);
+    return correlation > 1 ? std::max(freedom, 0.25 * fit.n_eff) : freedom;
+  }
+
+  /** \brief Whether a ball of radius r is noise-filled: its e^2 depends more on its size than on the
+   * noise. */
+  bool filledByNoise(double r) const { return r * r < thick * thick * lambda; }
 };
 
 /** \brief Everything the inner steps need to know, in local units: the user's parameters, settled, and what was
@@ -116,5 +184,26 @@ framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& 
 FitPlan
 planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
         const CloudMeasures& measures);
+
+/** \brief First level whose median ball contains a small share of the points: the box's size gives
+ * no size of the object, as one far point can stretch it. 1 in paper mode. */
+int
+startLevel(const PointStore& store, const FitPlan& plan);
+
+/** \brief Writes a finished cover's surfels into a surface's columns, and how it was made into its
+ * info; links are still to be built. O(surfels). */
+void
+fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+            SLIMSurface& surface);
+
+/** \brief Counts a finished fit's points and surfels, and what its cover did. The times and
+ * what was measured of the cloud are the fit's own to write. O(points + surfels). */
+void
+countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
+         FitStatistics& stats);
+
+/** \brief Why a fit has no leaf, and what helps; no error where it has some. */
+Error
+checkLeaves(const PointStore& store, const FitStatistics& stats);
 
 }  // namespace pcl_slim::detail

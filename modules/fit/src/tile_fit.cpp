@@ -5,22 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloud_measures.h"
-#include "cover/level_cover.h"
+#include "cover/cover.h"
 #include "fit_plan.h"
-#include "fit_steps.h"
-#include "pcl_slim/cloud/detail/noise.h"
+#include "measures/measures.h"
+#include "orient.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
+#include "trim/trim.h"
 
 namespace pcl_slim {
 
 using namespace detail;
 
 namespace {
-
-constexpr double kReachMargin = 1.001;  ///< for the rounding of centres to their grid
 
 /** Constants by which patches stay inside a window. */
 FitConstants

@@ -7,7 +7,6 @@
 #include <functional>
 #include <random>
 
-#include "fit_with_constants.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 

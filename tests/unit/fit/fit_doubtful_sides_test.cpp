@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "fit_with_constants.h"
+#include "fit_constants.h"
 #include "pcl_slim/core/vector3.h"
 #include "support/clouds.h"
 

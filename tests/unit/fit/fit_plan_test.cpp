@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud_measures.h"
+#include "measures/measures.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "fit_with_constants.h"
+#include "fit_constants.h"
 #include "pcl_slim/core/vector3.h"
 #include "support/clouds.h"
 #include "support/finger.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "least_squares/local_fit.h"
+#include "least_squares/least_squares.h"
 #include "scan/ball_kernels.h"
 #include "support/clouds.h"
 #include "support/plane_normals.h"

@@ -7,7 +7,7 @@
 #include <list>
 #include <mutex>
 
-#include "cover/level_cover.h"
+#include "cover/cover.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {

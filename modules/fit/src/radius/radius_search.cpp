@@ -1,13 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radius/radius_search.h"
+#include "radius/radius.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "radius/trial_fits.h"
-
 namespace pcl_slim::detail {
+
+/** \brief A rule that chooses the radius of one ball from trial fits. */
+class RadiusRule {
+ public:
+  RadiusRule() = default;
+  RadiusRule(const RadiusRule&) = delete;
+  RadiusRule& operator=(const RadiusRule&) = delete;
+  virtual ~RadiusRule() = default;
+
+  /** \brief The choice on [gamma^2, 1] r_r. */
+  virtual RadiusChoice choose() = 0;
+
+  /** \brief Whether a smaller radius is needed beyond doubt, seen on a part of a ball's points. */
+  virtual bool surelyInternal() = 0;
+};
+
 namespace {
+
+/** \brief Three trials a < b < c of which the middle one costs least. */
+struct Bracket {
+  Trial a, b, c;
+
+  /** \brief One parabolic step in log r and log E towards the minimum near b. One fit. */
+  void narrow(TrialFits& trials);
+
+  /** \brief log(c / a). */
+  double width() const;
+};
 
 /** Abscissa of the minimum of the parabola through three points of (log rho, log E). */
 double
@@ -21,6 +46,25 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
                        ? xb - 0.5 * ((xb - xa) * p - (xb - xc) * q) / denominator
                        : xb;
   return std::exp(std::min(std::max(x, xa), xc));
+}
+
+void
+Bracket::narrow(TrialFits& trials)
+{
+  const Trial trial = trials.at(parabolaMinimum(a, b, c));
+  if (!trial.supported || trial.rho == b.rho) return;
+  if (trial.energy < b.energy) {
+    (trial.rho < b.rho ? c : a) = b;
+    b = trial;
+  } else {
+    (trial.rho < b.rho ? a : c) = trial;
+  }
+}
+
+double
+Bracket::width() const
+{
+  return std::log(c.rho / a.rho);
 }
 
 /** \brief The choice where support ends between the supported radii and the next one down: the least
@@ -290,25 +334,6 @@ fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
 
 }  // namespace
 
-void
-Bracket::narrow(TrialFits& trials)
-{
-  const Trial trial = trials.at(parabolaMinimum(a, b, c));
-  if (!trial.supported || trial.rho == b.rho) return;
-  if (trial.energy < b.energy) {
-    (trial.rho < b.rho ? c : a) = b;
-    b = trial;
-  } else {
-    (trial.rho < b.rho ? a : c) = trial;
-  }
-}
-
-double
-Bracket::width() const
-{
-  return std::log(c.rho / a.rho);
-}
-
 Trial
 FinalFit::make(const RadiusChoice& choice)
 {
@@ -364,6 +389,8 @@ RadiusSearch::RadiusSearch(const FitPlan& plan) : trials_(plan), tests_(trials_)
   }
 }
 
+RadiusSearch::~RadiusSearch() = default;
+
 bool
 RadiusSearch::isNarrowest() const
 {
@@ -390,6 +417,12 @@ RadiusChoice
 RadiusSearch::search()
 {
   return notNarrower(rule_->choose());
+}
+
+bool
+RadiusSearch::surelyInternal()
+{
+  return !isNarrowest() && rule_->surelyInternal();
 }
 
 RadiusChoice

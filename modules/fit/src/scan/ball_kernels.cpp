@@ -2,7 +2,6 @@
 // The points of one ball once they are gathered: framed, thinned out, compared with a fit.
 #include "scan/ball_kernels.h"
 
-#include "fit_constants.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scan/ball_kernels.cpp"
@@ -28,6 +27,8 @@ padBall(BallBuffer& ball)
   }
 }
 
+constexpr float kSlopeCosine = 0.01f;  ///< least cosine with w that a slope is read from in float
+
 /** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of
  * the direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on
  * average of the squares. */
@@ -39,7 +40,7 @@ toSlopes(const LocalFrame& frame, BallBuffer& ball)
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
     const auto [u, v, w] = axes.turn(
         {Load(d, ball.n_u.data() + i), Load(d, ball.n_v.data() + i), Load(d, ball.n_w.data() + i)});
-    const auto cosine = Max(w, set(FloatLimits::kSlopeCosine));
+    const auto cosine = Max(w, set(kSlopeCosine));
     Store(Neg(u) / cosine, d, ball.n_u.data() + i);
     Store(Neg(v) / cosine, d, ball.n_v.data() + i);
     Store(cosine * (cosine * cosine), d, ball.n_w.data() + i);

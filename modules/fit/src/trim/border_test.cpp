@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The loops over a point's neighbours, compiled for each instruction set, and the test that uses them.
-#include "trim/border_test.h"
+#include "trim/trim.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The points of one surfel's sheet, in its own plane.
-#include "trim/sheet_points.h"
+#include "trim/trim.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fit_steps.h"
+#include "trim/trim.h"
 
 #include <algorithm>
 #include <array>
@@ -8,14 +8,14 @@
 #include <memory>
 #include <vector>
 
+#include "fit_plan.h"
 #include "pcl_slim/core/parallel.h"
-#include "trim/border_test.h"
-#include "trim/sheet_points.h"
-#include "trim/trim_raster.h"
 
 namespace pcl_slim::detail {
 
 namespace {
+
+constexpr BorderConstants kBorder;
 
 /** \brief Makes the trim maps of one surface's surfels, one after another. One per thread: it keeps
  * its memory. */
@@ -27,7 +27,7 @@ class TrimMaker {
         plan_(plan),
         hole_size_(hole_size),
         surface_(surface),
-        border_(store, plan.constants.border, std::sqrt(plan.noise), hole_size,
+        border_(store, kBorder, std::sqrt(plan.noise), hole_size,
                 plan.with_normals ? plan.min_dot : -2.0f, borders)
   {
   }
@@ -66,8 +66,6 @@ class TrimMaker {
   std::uint64_t candidates_ = 0;
 };
 
-constexpr int kDepthUnit = 64;  ///< of a raster's depths, a cell
-
 /** Sets the bit of the node next to each point: smoothing removes points that are isolated or in a
  * single row. */
 void
@@ -88,11 +86,10 @@ keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
 kernels::CoverLeaf
 TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
 {
-  const TrimConstants& constants = plan_.constants.trim;
   const float r = surface_.radius[i];
   kernels::CoverLeaf surfel;
   surfel.ball = {{surface_.cx[i], surface_.cy[i], surface_.cz[i]},
-                 static_cast<float>(constants.known * r),
+                 static_cast<float>(kTrim.known * r),
                  plan_.with_normals ? normal.data() : nullptr,
                  plan_.min_dot};
   surfel.frame = LocalFrame({normal[0], normal[1], normal[2]});
@@ -100,7 +97,7 @@ TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
   surfel.support_radius = r;
   surfel.c = surface_.coefficientsOf(i);
   surfel.max_residual = static_cast<float>(
-      std::max(constants.gate * r, plan_.constants.cover.residual_bound * surface_.error[i]));
+      std::max(kTrim.gate * r, plan_.constants.cover.residual_bound * surface_.error[i]));
   return surfel;
 }
 
@@ -116,7 +113,7 @@ TrimMaker::gather(std::size_t i)
     store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
     blocks_.assign(found_.begin(), found_.end());
   }
-  if (!surface_.isLeaf(i) && blocks_.size() * PointStore::kBlock > plan_.constants.trim.sampled) {
+  if (!surface_.isLeaf(i) && blocks_.size() * PointStore::kBlock > kTrim.sampled) {
     sampleSheet(store_, blocks_, surfel, points_);
   } else {
     kernels::gatherSheet(store_, blocks_, surfel, points_);
@@ -130,7 +127,7 @@ TrimMaker::prepare(std::size_t begin, std::size_t end)
   const float* centers[3] = {surface_.cx.data(), surface_.cy.data(), surface_.cz.data()};
   float low[3], high[3], widest = 0, spread = 0;
   for (std::size_t i = begin; i < end; ++i) widest = std::max(widest, surface_.radius[i]);
-  widest *= static_cast<float>(plan_.constants.trim.known);
+  widest *= static_cast<float>(kTrim.known);
   for (std::size_t a = 0; a < 3; ++a) {
     const auto [least, most] = std::minmax_element(centers[a] + begin, centers[a] + end);
     low[a] = *least - widest;
@@ -157,7 +154,7 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
 {
   const double r = surface_.radius[i];
   const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
-  const auto most = static_cast<std::size_t>(plan_.constants.border.places);
+  const auto most = static_cast<std::size_t>(kBorder.places);
   const std::size_t count = std::min(most, places_.size());
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [u, v] = places_[k * places_.size() / count];
@@ -176,36 +173,34 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
 bool
 TrimMaker::hasSail(std::size_t i, TrimScale scale)
 {
-  const TrimConstants& constants = plan_.constants.trim;
-  scale.hole = std::max(scale.hole, plan_.constants.border.far * scale.spacing);
-  const double sure = constants.known - 0.5 * scale.hole;
+  scale.hole = std::max(scale.hole, kBorder.far * scale.spacing);
+  const double sure = kTrim.known - 0.5 * scale.hole;
   if (sure <= 0.0) return false;
   const KnownRegion region(surface_.degree[i], surface_.coefficientsOf(i), sure);
-  raster_.findGaps(points_, region, scale, constants, places_);
+  raster_.findGaps(points_, region, scale, places_);
   return !places_.empty();
 }
 
 int
 TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 {
-  const TrimConstants& constants = plan_.constants.trim;
   gather(i);
   const float* c = surface_.coefficientsOf(i);
   // The finest map has a node a spacing, the coarsest five a side.
   double least = 2.0 / (TrimMap::kMostSide - 1);
-  if (!surface_.isLeaf(i)) least = 2.0 / (constants.internal_side - 1);
+  if (!surface_.isLeaf(i)) least = 2.0 / (kTrim.internal_side - 1);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
-  const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
+  const TrimScale scale{spacing, hole_size_ * spacing, kTrim.growth * spacing};
   // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty often.
-  const double sure = constants.known - 0.5 * scale.hole;
+  const double sure = kTrim.known - 0.5 * scale.hole;
   if (sure <= 0.0) return 0;
-  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, constants, places_);
+  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, places_);
   if (places_.empty()) return 0;
   ++candidates_;
   if (!dataEndAtGaps(i, spacing) && !hasSail(i, scale)) return 0;
-  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, constants.known));
-  const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
-  if (raster_.leastDepth(constants.looked_at) > clear) return 0;
+  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, kTrim.known));
+  const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
+  if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
   return appendMap(spacing, bits);
 }
 

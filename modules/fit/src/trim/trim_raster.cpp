@@ -1,17 +1,112 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trim/trim_raster.h"
+#include "trim/trim.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/trim_map.h"
 
 namespace pcl_slim::detail {
 
+KnownRegion::KnownRegion(int degree, const float* c, double radius)
+    : degree_(degree), c_(c), radius_(radius), highest_(0.0)
+{
+  double power = 1.0;
+  for (int order = 0, k = 0; order <= degree; ++order, power *= radius) {
+    double largest = 0.0;  // of |u^i v^j| on the circle: 1 where one of i and j is 0
+    for (int j = 0; j <= order; ++j, ++k) largest += std::abs(c[k]);
+    highest_ += largest * power;
+  }
+}
+
+/** The cells of a row in the ball's middle section. */
+KnownRegion::Run
+KnownRegion::circleRun(double v, double cell, double middle, int end) const
+{
+  const double half_sq = radius_ * radius_ - v * v;
+  if (half_sq < 0.0) return {0, -1};
+  const double half = std::sqrt(half_sq) / cell;
+  return {std::max(0, static_cast<int>(std::ceil(middle - half))),
+          std::min(end, static_cast<int>(middle + half))};
+}
+
+namespace {
+
+/** The first cell from a place on, in steps of one, that is in: on the way back if the place is.
+ * \return beyond last if none is. */
+template <typename IsIn>
+int
+firstIn(int place, int step, int begin, int last, const IsIn& is_in)
+{
+  if (is_in(place)) {
+    while (place != begin && is_in(place - step)) place -= step;
+    return place;
+  }
+  do {
+    place += step;
+  } while (place != last + step && !is_in(place));
+  return place;
+}
+
+}  // namespace
+
+/** The part of a row's run whose surface is in the ball: its ends are searched for from those of the row
+ * before, nearer to the middle. */
+KnownRegion::Run
+KnownRegion::narrowed(Run circle, Run from, double cell, double middle, double v) const
+{
+  double row[kMaxDegree + 1] = {};  // h of this row, by powers of u
+  double power = 1.0;
+  for (int j = 0; j <= degree_; ++j, power *= v)
+    for (int i = 0; i + j <= degree_; ++i) row[i] += c_[(i + j) * (i + j + 1) / 2 + j] * power;
+  const double room_sq = radius_ * radius_ - v * v;
+  const auto is_in = [&](int x) {
+    const double u = cell * (x - middle);
+    double h = row[degree_];
+    for (int i = degree_ - 1; i >= 0; --i) h = h * u + row[i];
+    return u * u + h * h < room_sq;
+  };
+  const int from_first = std::clamp(from.first, circle.first, circle.last);
+  const int first = firstIn(from_first, 1, circle.first, circle.last, is_in);
+  if (first > circle.last) return {0, -1};
+  const int from_last = std::clamp(from.last, first, circle.last);
+  return {first, firstIn(from_last, -1, circle.last, first, is_in)};
+}
+
+void
+KnownRegion::markBeyond(double cell, int middle, BitRows& rows) const
+{
+  const double least_sq = radius_ * radius_ - highest_ * highest_;
+  if (least_sq > 0.0 && radius_ - std::sqrt(least_sq) < 0.5 * cell) {
+    markBeyondCircle(cell, middle, rows);
+    return;
+  }
+  const int end = rows.side() - 1;
+  for (const int step : {1, -1}) {
+    Run run{middle, middle};
+    for (int y = middle; y >= 0 && y <= end; y += step) {
+      const double v = cell * (y - middle);
+      const Run circle = circleRun(v, cell, middle, end);
+      const bool none = run.last < run.first || circle.last < circle.first;
+      run = none ? Run{0, -1} : narrowed(circle, run, cell, middle, v);
+      rows.setAllBut(y, run.first, run.last);
+    }
+  }
+}
+
+void
+KnownRegion::markBeyondCircle(double cell, int middle, BitRows& rows) const
+{
+  for (int y = 0; y < rows.side(); ++y) {
+    const Run run = circleRun(cell * (y - middle), cell, middle, rows.side() - 1);
+    rows.setAllBut(y, run.first, run.last);
+  }
+}
+
 namespace {
 
 constexpr int kFine = 8;       ///< parts of a cell that a point's place is rounded to
-constexpr int kUnit = 64;      ///< depth of one cell
 constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three words a row
 constexpr int kMostWords = 3;
 constexpr std::size_t kFewPlaces = 128;  ///< fewer are looked at one by one
@@ -24,6 +119,43 @@ constexpr int kMostHeight = 8;  ///< cells: likewise outside
 constexpr std::uint16_t kBits[kLanes] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
                                          1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
                                          1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
+/** Keeps the set bits whose neighbours in the row are set too; those beyond the row are. */
+void
+erodeRow(const std::uint64_t* from, std::size_t words, std::uint64_t* to)
+{
+  for (std::size_t w = 0; w < words; ++w) {
+    const std::uint64_t before = w > 0 ? from[w - 1] >> 63 : 1;
+    const std::uint64_t after = w + 1 < words ? from[w + 1] << 63 : std::uint64_t{1} << 63;
+    to[w] = from[w] & (from[w] << 1 | before) & (from[w] >> 1 | after);
+  }
+}
+
+/** Likewise in all rows. */
+void
+erodeRows(const BitRows& from, BitRows& to)
+{
+  to.reset(from.side());
+  if (from.wordsPerRow() > 1) {
+    for (int y = 0; y < from.side(); ++y) erodeRow(from.row(y), from.wordsPerRow(), to.row(y));
+    return;
+  }
+  const std::uint64_t* rows = from.row(0);  // one word each: vectorised
+  for (std::size_t y = 0; y < from.numWords(); ++y)
+    to.row(0)[y] = rows[y] & (rows[y] << 1 | 1) & (rows[y] >> 1 | std::uint64_t{1} << 63);
+}
+
+/** Sets the bits next to set ones. */
+void
+widenRow(std::uint64_t* row, std::size_t words)
+{
+  std::uint64_t before = 0;
+  for (std::size_t w = 0; w < words; ++w) {
+    const std::uint64_t old = row[w], after = w + 1 < words ? row[w + 1] << 63 : 0;
+    row[w] = old | (old << 1 | before) | (old >> 1 | after);
+    before = old >> 63;
+  }
+}
 
 /** One step of smoothing, by (1 4 6 4 1) / 16: variance one cell squared. */
 std::int16_t
@@ -61,12 +193,12 @@ TrimRaster::cutDisc(int rows, int span)
 }
 
 void
-TrimRaster::setScale(const TrimScale& scale, const TrimConstants& constants)
+TrimRaster::setScale(const TrimScale& scale)
 {
-  cell_ = std::max(constants.cell * scale.spacing, constants.known / kMostHalf);
+  cell_ = std::max(kTrim.cell * scale.spacing, kTrim.known / kMostHalf);
   reach_ = 0.5 * scale.hole / cell_;
   growth_ = scale.growth / cell_;
-  half_ = static_cast<int>(std::ceil(constants.known / cell_));
+  half_ = static_cast<int>(std::ceil(kTrim.known / cell_));
   side_ = 2 * half_ + 1;
 }
 
@@ -185,9 +317,9 @@ TrimRaster::dropCovered(const SheetPoints& points, std::vector<std::array<double
 
 void
 TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
-                     const TrimConstants& constants, std::vector<std::array<double, 2>>& places)
+                     std::vector<std::array<double, 2>>& places)
 {
-  setScale(scale, constants);
+  setScale(scale);
   markEmptyDiscs(points);
   covered_ = filled_;
   all_covered_ = points.count < kFewPoints;
@@ -266,7 +398,7 @@ TrimRaster::findDepths(int cap, double offset)
   for (std::size_t k = 0; k < depth_of_sq_.size(); ++k) {
     const double depth = std::sqrt(static_cast<double>(k)) - offset;
     const double clamped = std::clamp<double>(depth, -kMostHeight, kMostDepth);
-    depth_of_sq_[k] = static_cast<std::int16_t>(std::lround(kUnit * clamped));
+    depth_of_sq_[k] = static_cast<std::int16_t>(std::lround(kDepthUnit * clamped));
   }
   depth_.resize(distance_sq_.size());
   for (std::size_t k = 0; k < depth_.size(); ++k) {
@@ -325,7 +457,7 @@ int
 TrimRaster::leastDepth(double share) const
 {
   const double reach = share / cell_;
-  int least = kUnit * kMostDepth;
+  int least = kDepthUnit * kMostDepth;
   for (int y = 0; y < side_; ++y) {
     const double half_sq = reach * reach - (y - half_) * (y - half_);
     if (half_sq < 0.0) continue;

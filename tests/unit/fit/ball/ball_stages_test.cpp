@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "ball/ball_fitter.h"
+#include "ball.h"
 #include "fit_plan.h"
 #include "support/clouds.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far normals are off, and whether they say more than the points do.
-#include "ball/normal_error.h"
+#include "measures/measures.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The cells of a level: which touch which.
-#include "cover/cover_cells.h"
+#include "cover/cover.h"
 
 #include <gtest/gtest.h>
 

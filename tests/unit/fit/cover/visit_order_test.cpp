@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The order in which a cell's centres are tried.
-#include "cover/level_cover.h"
+#include "cover/cover.h"
 
 #include <gtest/gtest.h>
 

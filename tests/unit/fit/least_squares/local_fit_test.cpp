@@ -6,8 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "least_squares/local_fit.h"
-#include "least_squares/mean_slope.h"
+#include "least_squares/least_squares.h"
 #include "scan/ball_kernels.h"
 
 namespace pcl_slim {

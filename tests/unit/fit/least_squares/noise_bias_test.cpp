@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What noise does to a fit besides scattering it, and which balls it leaves standing.
-#include "least_squares/noise_bias.h"
+#include "least_squares/least_squares.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges between overlapping leaves against all pairs.
-#include "orient/overlap_graph.h"
+#include "orient.h"
 
 #include <gtest/gtest.h>
 

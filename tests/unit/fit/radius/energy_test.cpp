@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a radius costs.
-#include "radius/energy.h"
+#include "fit_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Noise against unresolved detail in the residuals of one ball.
-#include "radius/residual_tests.h"
+#include "radius/radius.h"
 
 #include <gtest/gtest.h>
 

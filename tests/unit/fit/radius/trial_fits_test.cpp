@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The trial fits of one ball, and the comparison of two of them.
-#include "radius/trial_fits.h"
+#include "radius/radius.h"
 
 #include <gtest/gtest.h>
 
-#include "radius/residual_tests.h"
 #include "support/balls.h"
 
 namespace pcl_slim {

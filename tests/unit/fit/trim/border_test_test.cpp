@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where data end in a point's own tangent plane, on surfaces whose borders are known. Spacing 1.
-#include "trim/border_test.h"
+#include "trim/trim.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,166 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_measures.h"
+#include "measures/measures.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include "ball/normal_error.h"
-#include "pcl_slim/cloud/detail/noise.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
+
+namespace {
+
+constexpr int kTerms = 10;  ///< of a cubic
+
+/** The sums of one patch; squares < 0: none. */
+struct PatchSums {
+  double squares = -1;  ///< variance of the slopes' residuals, both directions
+  double own_sq = 0, tilt_sq = 0, tilt_product = 0;
+  double pair_sq = 0, pair_product = 0;
+};
+
+/** A patch in a frame, in units of its radius: terms of a cubic, heights and the normals' slopes.
+ */
+struct FramedPatch {
+  Eigen::Matrix<double, Eigen::Dynamic, kTerms> terms;
+  Eigen::VectorXd heights;
+  Eigen::MatrixX2d slopes;
+};
+
+/** Those of the neighbours whose normals turn about as the sample's. */
+void
+keepOwnSide(const PointStore& store, std::size_t sample, float least_cosine,
+            std::vector<std::uint32_t>& neighbors)
+{
+  const auto own = store.normal(sample);
+  const auto turned = [&](std::uint32_t j) {
+    const auto n = store.normal(j);
+    return n[0] * own[0] + n[1] * own[1] + n[2] * own[2] < least_cosine;
+  };
+  neighbors.erase(std::remove_if(neighbors.begin(), neighbors.end(), turned), neighbors.end());
+}
+
+FramedPatch
+framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, double radius,
+           double least_cosine)
+{
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::uint32_t j : points) {
+    const auto n = store.normal(j);
+    mean += Eigen::Vector3d(n[0], n[1], n[2]);
+  }
+  mean.normalize();
+  const LocalFrame frame({mean[0], mean[1], mean[2]});
+  const Eigen::Map<const Eigen::Vector3d> u(frame.u.data()), v(frame.v.data()), w(frame.w.data());
+  const auto center = store.position(points.front());
+  const auto count = static_cast<Eigen::Index>(points.size());
+  FramedPatch patch;
+  patch.terms.resize(count, kTerms);
+  patch.heights.resize(count);
+  patch.slopes.resize(count, 2);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::uint32_t j = points[static_cast<std::size_t>(i)];
+    const auto p = store.position(j);
+    const auto n = store.normal(j);
+    const Eigen::Vector3d offset(p[0] - center[0], p[1] - center[1], p[2] - center[2]);
+    const Eigen::Vector3d normal(n[0], n[1], n[2]);
+    const double x = offset.dot(u) / radius, y = offset.dot(v) / radius;
+    patch.terms.row(i) << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
+    patch.heights[i] = offset.dot(w) / radius;
+    const double cosine = std::max(normal.dot(w), least_cosine);
+    patch.slopes.row(i) << -normal.dot(u) / cosine, -normal.dot(v) / cosine;
+  }
+  return patch;
+}
+
+template <typename Terms, typename Values>
+auto
+residuals(const Terms& terms, const Values& values)
+{
+  return (values - terms * terms.householderQr().solve(values)).eval();
+}
+
+PatchSums
+measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants)
+{
+  const Eigen::Index count = patch.heights.size();
+  const Eigen::MatrixX2d slopes = residuals(patch.terms, patch.slopes);
+  const Eigen::VectorXd heights = residuals(patch.terms, patch.heights);
+  // The plane through the noise of the points next to the sample.
+  const auto tilt_points = static_cast<Eigen::Index>(constants.tilt_points);
+  const Eigen::MatrixX3d plane = patch.terms.leftCols<3>().topRows(tilt_points);
+  const Eigen::Vector2d tilt = plane.householderQr().solve(heights.head(tilt_points)).tail<2>();
+  const Eigen::Vector2d own = slopes.row(0);
+  PatchSums sums;
+  sums.squares = slopes.squaredNorm() / static_cast<double>(count - kTerms);
+  sums.own_sq = own.squaredNorm();
+  sums.tilt_sq = tilt.squaredNorm();
+  sums.tilt_product = own.dot(tilt);
+  for (Eigen::Index i = 1; i <= static_cast<Eigen::Index>(constants.pairs); ++i) {
+    sums.pair_sq += 0.5 * (own.squaredNorm() + slopes.row(i).squaredNorm());
+    sums.pair_product += own.dot(slopes.row(i).transpose());
+  }
+  return sums;
+}
+
+NormalError
+summarize(const std::vector<PatchSums>& patches, const NormalErrorConstants& constants)
+{
+  PatchSums all;
+  std::vector<double> variances;
+  for (const PatchSums& patch : patches) {
+    if (!(patch.squares >= 0)) continue;
+    variances.push_back(patch.squares);
+    all.own_sq += patch.own_sq;
+    all.tilt_sq += patch.tilt_sq;
+    all.tilt_product += patch.tilt_product;
+    all.pair_sq += patch.pair_sq;
+    all.pair_product += patch.pair_product;
+  }
+  NormalError error;
+  if (variances.size() < constants.least_patches) return error;
+  std::sort(variances.begin(), variances.end());
+  const auto cut = static_cast<std::size_t>(constants.trim * static_cast<double>(variances.size()));
+  double sum = 0;
+  for (std::size_t i = cut; i < variances.size() - cut; ++i) sum += variances[i];
+  error.radians = std::sqrt(sum / static_cast<double>(variances.size() - 2 * cut));
+  if (all.own_sq > 0 && all.tilt_sq > 0)
+    error.with_heights = all.tilt_product / std::sqrt(all.own_sq * all.tilt_sq);
+  if (all.pair_sq > 0) error.with_neighbors = all.pair_product / all.pair_sq;
+  return error;
+}
+
+}  // namespace
+
+NormalError
+measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads)
+{
+  const std::size_t samples = std::min(constants.samples, store.size());
+  std::vector<PatchSums> patches(samples);
+  threads = resolveThreads(threads);
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
+  parallelFor(samples, threads, 16, [&](std::size_t s, int thread) {
+    const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
+    std::vector<std::uint32_t> neighbors;
+    std::vector<float> distances_sq;
+    searches[static_cast<std::size_t>(thread)].nearest(sample, constants.neighbors, neighbors,
+                                                       distances_sq);
+    keepOwnSide(store, sample, constants.own_side, neighbors);
+    if (neighbors.size() < constants.least_points) return;
+    const double radius = std::sqrt(distances_sq.back());
+    patches[s] =
+        measurePatch(framePatch(store, neighbors, radius, constants.least_cosine), constants);
+  });
+  return summarize(patches, constants);
+}
 
 namespace {
 
@@ -143,12 +296,11 @@ measureErrors(const PointStore& store, const FitParams& params, const NoiseConst
 
 /** What normals weigh as data: the error stated, or the one measured if it is their own. */
 double
-normalError(const PointStore& store, const FitParams& params, const NormalErrorConstants& constants,
-            int threads, FitStatistics& stats)
+normalError(const PointStore& store, const FitParams& params, int threads, FitStatistics& stats)
 {
   if (params.normal_error) return *params.normal_error;
-  const NormalError measured = measureNormalError(store, constants, threads);
-  stats.noise.normals_follow_points = !measured.independent(constants);
+  const NormalError measured = measureNormalError(store, {}, threads);
+  stats.noise.normals_follow_points = !measured.independent();
   return stats.noise.normals_follow_points ? 0 : measured.radians;
 }
 
@@ -176,7 +328,7 @@ measureCloud(const PointStore& store, const FitParams& params, const FitConstant
                  "the points have no normals to take as data: give some, or leave it"};
   }
   measures.normal_error = stats.noise.normal_error =
-      normalError(store, params, constants.normal_error, threads, stats);
+      normalError(store, params, threads, stats);
   return measures;
 }
 

@@ -6,14 +6,46 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
 
-#include "colors/color_sums.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/surface/surfel_color.h"
+#include "scan/ball_kernels.h"
+
+#ifndef PCL_SLIM_COLOR_SUMS  // once: Highway includes this file anew for each instruction set
+#define PCL_SLIM_COLOR_SUMS
+
+namespace pcl_slim::detail {
+
+/** Red, green and blue of all stored points, padding included. */
+using ColorColumns = std::array<AlignedVector<std::uint8_t>, 3>;
+
+/** A surfel as its colours see it: points of the ball within its normal bound, and near its
+ * polynomial. */
+struct ColorBall {
+  BallQuery ball;
+  LocalFrame frame;
+  int degree;
+  const float* c;      ///< coefficients in units of the radius
+  float max_residual;  ///< [radii]; infinite: no point is too far
+};
+
+/** Sums of the normal equations of a polynomial in (u, v) for each channel. */
+struct ColorSums {
+  static constexpr int kMoments = numCoefficients(2 * kColorDegree);
+  std::array<double, kMoments> moments{};  ///< sum w u^i v^j, in the order of evaluateHeight()
+  std::array<std::array<double, kColorTerms>, 3> channels{};  ///< sum w colour u^i v^j
+  double weight_sq = 0;
+};
+
+}  // namespace pcl_slim::detail
+
+#endif
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "colors/fit_colors.cpp"
+#define HWY_TARGET_INCLUDE "fit_colors.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -78,6 +110,7 @@ sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& s
   return sums;
 }
 
+/** Sums over the points of some blocks inside a surfel's ball, weighted by a kernel. */
 ColorSums
 sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
           WeightKernel kernel, const ColorColumns& colors)

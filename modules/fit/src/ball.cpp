@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ball/ball_fitter.h"
+#include "ball.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,63 +9,178 @@
 #include <limits>
 #include <utility>
 
-#include "least_squares/noise_bias.h"
+#include "least_squares/least_squares.h"
 #include "pcl_slim/core/extent.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/oct_normal.h"
 
 namespace pcl_slim::detail {
+
 namespace {
 
-/** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store.
- */
 void
-framePlane(SurfelRecord& surfel)
+takeEveryNth(const BlockList& blocks, std::size_t stride, BlockList& taken)
 {
-  const LocalFrame frame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
-  const double c0 = surfel.c[0], cu = surfel.c[1], cv = surfel.c[2];
-  const double length = std::sqrt(1.0 + cu * cu + cv * cv);
-  std::array<double, 3> normal;
-  for (int a = 0; a < 3; ++a) normal[a] = frame.w[a] - cu * frame.u[a] - cv * frame.v[a];
-  surfel.normal = snapNormal(normal);
-  surfel.c = {static_cast<float>(c0 / length)};
+  taken.clear();
+  for (std::size_t b = 0; b < blocks.size(); b += stride) taken.push_back(blocks[b]);
 }
 
-/** Coefficients in units of r from those in units of the gather radius: c_ij rho^(i + j - 1). */
-void
-setCoefficients(const Trial& trial, SurfelRecord& surfel)
+constexpr double kNormalLength = 1e-6;  ///< least length of a mean of unit normals in float
+
+/** The mean normal; the site's own where the points' cancel. */
+Vector3
+meanNormal(const BallSums& sums, const BallSite& site)
 {
-  surfel.c.fill(0.0f);
-  double factor = 1.0 / trial.rho;
-  for (int d = 0, k = 0; d <= trial.fit.degree; ++d, factor *= trial.rho) {
-    for (int j = 0; j <= d; ++j, ++k) surfel.c[k] = static_cast<float>(trial.fit.c[k] * factor);
+  const Vector3& n = sums.normal;
+  const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (length > kNormalLength * sums.weight)
+    return {n[0] / length, n[1] / length, n[2] / length};
+  return {site.normal[0], site.normal[1], site.normal[2]};
+}
+
+/** The direction of least spread; z where all points coincide. */
+Vector3
+leastSpread(const BallSums& sums)
+{
+  const auto& s = sums.second;
+  const double inverse = 1.0 / sums.weight;
+  const Eigen::Vector3d mean =
+      Eigen::Vector3d(sums.first[0], sums.first[1], sums.first[2]) * inverse;
+  Eigen::Matrix3d covariance;
+  covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  covariance = covariance * inverse - mean * mean.transpose();
+  covariance /= std::max(covariance.trace(), 1e-300);  // no division by 0
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(covariance);
+  const Eigen::Vector3d n = axes.eigenvectors().col(0);
+  if (!n.allFinite() || n.squaredNorm() < 0.5) return {0.0, 0.0, 1.0};
+  return {n[0], n[1], n[2]};
+}
+
+/** The weighted sums of a ball that is framed already, in its frame. */
+BallSums
+sumsOf(const BallBuffer& ball)
+{
+  BallSums sums;
+  for (std::size_t i = 0; i < ball.count; ++i) {
+    const double g = evaluateKernel(WeightKernel::kPower4, ball.s_sq[i]);
+    const double p[3] = {ball.u[i], ball.v[i], ball.w[i]};
+    sums.weight += g;
+    for (std::size_t a = 0, k = 0; a < 3; ++a) {
+      sums.first[a] += g * p[a];
+      for (std::size_t b = a; b < 3; ++b, ++k) sums.second[k] += g * p[a] * p[b];
+    }
   }
+  return sums;
+}
+
+/** The axes of one frame in coordinates of another. */
+LocalFrame
+frameWithin(const LocalFrame& frame, const LocalFrame& other)
+{
+  const auto coordinates = [&](const Vector3& axis) {
+    return Vector3{dot(axis, other.u), dot(axis, other.v), dot(axis, other.w)};
+  };
+  LocalFrame within;
+  within.u = coordinates(frame.u);
+  within.v = coordinates(frame.v);
+  within.w = coordinates(frame.w);
+  return within;
 }
 
 }  // namespace
 
-SurfelRecord
-recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
-         const BiasConstants& constants)
+std::array<float, 3>
+onCenterGrid(const std::array<double, 3>& place, double grid)
 {
-  const Trial& trial = choice.trial;
-  const double unit = ball.site.radius;
-  SurfelRecord surfel;
-  surfel.center = ball.site.center;
-  surfel.normal = ball.normal;
-  surfel.sided = ball.site.sided;
-  surfel.radius = static_cast<float>(trial.rho * unit);
-  surfel.error = static_cast<float>(std::sqrt(trial.fit.residual_sq) * unit);
-  surfel.effective_count = static_cast<float>(trial.fit.n_eff);
-  surfel.degree = static_cast<std::uint8_t>(trial.fit.degree);
-  surfel.level = static_cast<std::uint8_t>(level);
-  surfel.flags = choice.kind == RadiusChoice::Kind::kLeaf ? kSurfelLeaf : 0;
-  if (choice.support_limited) surfel.flags |= kSurfelSupportLimited;
-  setCoefficients(trial, surfel);
-  const double share = ball.site.noise / (trial.rho * trial.rho * unit * unit);
-  undoNoiseBias(constants, trial.fit.kernel, surfel.degree, share, surfel.c.data());
-  if (surfel.degree == 1) framePlane(surfel);
-  return surfel;
+  std::array<float, 3> center;
+  for (std::size_t a = 0; a < 3; ++a)
+    center[a] = static_cast<float>(std::round(place[a] / grid) * grid);
+  return center;
 }
+
+BallSite
+siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius)
+{
+  const double noise_ratio = plan.noiseRatioAt(i, store.size());
+  BallSite site;
+  site.center = onCenterGrid(store.position(i), plan.center_grid);
+  if (plan.with_normals) site.normal = store.normal(i);
+  site.sided = site.normal != std::array<float, 3>{};
+  site.radius = radius;
+  site.lambda = noise_ratio * plan.energy.lambda;
+  site.noise = noise_ratio * plan.noise;
+  return site;
+}
+
+GatheredBall
+BallGatherer::gather(const BallSite& site, std::size_t stride)
+{
+  const BlockList* blocks = &nearby_.within(site.center, site.radius);
+  if (stride > 1) {
+    takeEveryNth(*blocks, stride, sampled_);
+    blocks = &sampled_;
+  }
+  GatheredBall ball;
+  ball.site = site;
+  ball.points = &points_;
+  const BallQuery query{site.center, static_cast<float>(site.radius),
+                        site.sided ? site.normal.data() : nullptr, plan_.min_dot,
+                        plan_.normal_error > 0};
+  kernels::gatherBall(store_, *blocks, query, !site.sided, points_, ball.sums);
+  gathered_ += points_.count;
+  return ball;
+}
+
+bool
+normalIsAlone(const GatheredBall& ball, const FitPlan& plan)
+{
+  if (!plan.with_normals || !plan.skip_lone_normals) return false;
+  const BallConstants& constants = plan.constants.ball;
+  const BallSums& sums = ball.sums;
+  const auto on_its_side = static_cast<double>(ball.points->count);
+  if (on_its_side < constants.lone_share * static_cast<double>(sums.inside)) return true;
+  const auto& n = sums.normal;
+  const auto& own = ball.site.normal;
+  return n[0] * own[0] + n[1] * own[1] + n[2] * own[2] < constants.lone_cosine * sums.weight;
+}
+
+FramedBall
+framed(const GatheredBall& ball, const FitPlan& plan)
+{
+  const BallSite& site = ball.site;
+  FramedBall result{site, {}, ball.points};
+  result.normal = snapNormal(site.sided ? meanNormal(ball.sums, site) : leastSpread(ball.sums));
+  if (plan.normal_error > 0) {
+    // An error of the normal's direction has half its variance in each of two slopes.
+    const double slope_error = plan.normal_error * site.radius;
+    ball.points->slope_weight = 2.0 * site.noise / (slope_error * slope_error);
+  }
+  kernels::toFrame(result.frame(), static_cast<float>(site.radius), *ball.points);
+  return result;
+}
+
+FramedBall
+reframed(const FramedBall& ball)
+{
+  const BallSums sums = sumsOf(*ball.points);
+  if (!(sums.weight > 0)) return ball;
+  const LocalFrame old = ball.frame();
+  const Vector3 local = leastSpread(sums);
+  Vector3 normal;
+  for (std::size_t a = 0; a < 3; ++a)
+    normal[a] = local[0] * old.u[a] + local[1] * old.v[a] + local[2] * old.w[a];
+  FramedBall result = ball;
+  result.normal = snapNormal(normal);
+  kernels::toFrame(frameWithin(result.frame(), old), 1.0f, *ball.points);
+  return result;
+}
+
+/** \brief The interval of residuals that belongs to the centre's sheet. */
+struct SheetRange {
+  bool split = false;
+  float low = 0, high = 0;
+};
 
 namespace {
 
@@ -164,29 +280,12 @@ standsApart(const Histogram& h, int valley, double apart)
   return gap * gap > apart * apart * within / (count[0] + count[1]);
 }
 
-}  // namespace
-
-FramedBall
-recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
-          RadiusSearch& search)
-{
-  const BallConstants& constants = plan.constants.ball;
-  const Trial& right = search.right();
-  const double offset = right.fit.c[0];  // of the radius
-  if (!right.supported || std::abs(offset) < constants.off_center ||
-      std::abs(offset) > constants.largest_shift) {
-    return ball;
-  }
-  BallSite site = ball.site;
-  std::array<double, 3> moved;
-  for (std::size_t a = 0; a < 3; ++a)
-    moved[a] = site.center[a] + offset * site.radius * ball.normal[a];
-  site.center = onCenterGrid(moved, plan.center_grid);
-  const FramedBall result = framed(gatherer.gather(site, stride), plan);
-  search.begin(*result.points, site.radius, 1.0);
-  return result;
-}
-
+/** Looks for two sheets in the residuals of one ball (docs/theory.md, "Sheets").
+ *
+ * Otsu's threshold on a histogram; two sheets only if the valley between the peaks is low, and the
+ * means of the sides are apart compared with their thickness. \param[in] center_residual residual of the ball's
+ * centre. O(count).
+ */
 SheetRange
 findSheet(const float* residuals, std::size_t count, double center_residual,
           const SheetConstants& constants)
@@ -213,6 +312,29 @@ findSheet(const float* residuals, std::size_t count, double center_residual,
   range.low = center_residual <= cut ? low : static_cast<float>(cut);
   range.high = center_residual <= cut ? static_cast<float>(cut) : high;
   return range;
+}
+
+}  // namespace
+
+FramedBall
+recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
+          RadiusSearch& search)
+{
+  const BallConstants& constants = plan.constants.ball;
+  const Trial& right = search.right();
+  const double offset = right.fit.c[0];  // of the radius
+  if (!right.supported || std::abs(offset) < constants.off_center ||
+      std::abs(offset) > constants.largest_shift) {
+    return ball;
+  }
+  BallSite site = ball.site;
+  std::array<double, 3> moved;
+  for (std::size_t a = 0; a < 3; ++a)
+    moved[a] = site.center[a] + offset * site.radius * ball.normal[a];
+  site.center = onCenterGrid(moved, plan.center_grid);
+  const FramedBall result = framed(gatherer.gather(site, stride), plan);
+  search.begin(*result.points, site.radius, 1.0);
+  return result;
 }
 
 SheetRange
@@ -243,6 +365,61 @@ SheetSplitter::ownSheet(FramedBall ball, const SheetConstants& constants, Radius
   split_ += split;
   return ball;
 }
+
+namespace {
+
+/** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store.
+ */
+void
+framePlane(SurfelRecord& surfel)
+{
+  const LocalFrame frame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
+  const double c0 = surfel.c[0], cu = surfel.c[1], cv = surfel.c[2];
+  const double length = std::sqrt(1.0 + cu * cu + cv * cv);
+  std::array<double, 3> normal;
+  for (int a = 0; a < 3; ++a) normal[a] = frame.w[a] - cu * frame.u[a] - cv * frame.v[a];
+  surfel.normal = snapNormal(normal);
+  surfel.c = {static_cast<float>(c0 / length)};
+}
+
+/** Coefficients in units of r from those in units of the gather radius: c_ij rho^(i + j - 1). */
+void
+setCoefficients(const Trial& trial, SurfelRecord& surfel)
+{
+  surfel.c.fill(0.0f);
+  double factor = 1.0 / trial.rho;
+  for (int d = 0, k = 0; d <= trial.fit.degree; ++d, factor *= trial.rho) {
+    for (int j = 0; j <= d; ++j, ++k) surfel.c[k] = static_cast<float>(trial.fit.c[k] * factor);
+  }
+}
+
+/** \brief The surfel of a ball whose radius is chosen: its polynomial in units of that radius,
+ * without what noise adds to it on average (docs/theory.md, "Bias"). */
+SurfelRecord
+recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
+         const BiasConstants& constants)
+{
+  const Trial& trial = choice.trial;
+  const double unit = ball.site.radius;
+  SurfelRecord surfel;
+  surfel.center = ball.site.center;
+  surfel.normal = ball.normal;
+  surfel.sided = ball.site.sided;
+  surfel.radius = static_cast<float>(trial.rho * unit);
+  surfel.error = static_cast<float>(std::sqrt(trial.fit.residual_sq) * unit);
+  surfel.effective_count = static_cast<float>(trial.fit.n_eff);
+  surfel.degree = static_cast<std::uint8_t>(trial.fit.degree);
+  surfel.level = static_cast<std::uint8_t>(level);
+  surfel.flags = choice.kind == RadiusChoice::Kind::kLeaf ? kSurfelLeaf : 0;
+  if (choice.support_limited) surfel.flags |= kSurfelSupportLimited;
+  setCoefficients(trial, surfel);
+  const double share = ball.site.noise / (trial.rho * trial.rho * unit * unit);
+  undoNoiseBias(constants, trial.fit.kernel, surfel.degree, share, surfel.c.data());
+  if (surfel.degree == 1) framePlane(surfel);
+  return surfel;
+}
+
+}  // namespace
 
 BallOutcome
 BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sides/sided_store.h"
+#include "measures/measures.h"
 
 #include <algorithm>
 #include <cmath>
