@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "fit_constants.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -18,7 +18,6 @@ namespace {
 TEST(Energy, ShowsTheVarianceOfNoiseInAThinBallWhateverTheKernel)
 {
   constexpr double kThickness = 0.15;  // of the radius
-  const RadiusConstants constants;
   const Energy energy;  // no noise known, no penalty: the corrected residual
   for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
     double mean = 0;
@@ -26,7 +25,7 @@ TEST(Energy, ShowsTheVarianceOfNoiseInAThinBallWhateverTheKernel)
     for (int b = 0; b < kBalls; ++b) {
       const TestBall ball =
           wavyBall(1, 20000, 0.0, 1.0, kThickness, 700u + static_cast<unsigned>(b), true, kernel);
-      mean += energy(ball.fit, 1.0, 1.0, constants) / kBalls;
+      mean += energy(ball.fit, 1.0, 1.0) / kBalls;
     }
     // Terms of the fourth order in the thickness are left: about 1 %.
     EXPECT_NEAR(mean / (kThickness * kThickness), 1.0, 0.03) << static_cast<int>(kernel);

@@ -105,15 +105,16 @@ TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
 TEST(FitComparison, GoesByTheConstantsOfItsSettings)
 {
   const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kNoise, 10);
-  FitPlan plan = planOfNoise();
-  plan.constants.radius.comparison_worth = 1e3;
-  TrialFits trials(plan);
+  const FitPlan plan = planOfNoise();
+  RadiusConstants constants;
+  constants.comparison_worth = 1e3;
+  TrialFits trials(plan, constants);
   ResidualTests tests(trials);
   trials.begin(ball.points, 1.0, 1.0);
   const FitComparison comparison(trials, tests);
   const Trial middle = trials.middle();
   EXPECT_TRUE(comparison.acceptsSimpler(trials.right(), middle));
-  plan.constants.radius.comparison_worth = 0.0;
+  constants.comparison_worth = 0.0;
   EXPECT_FALSE(comparison.acceptsSimpler(trials.right(), middle));
 }
 
