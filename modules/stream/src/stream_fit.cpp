@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
 
-#include "state/kept_plan.h"
 #include "stream_state.h"
-#include "tiles/tile_queue.h"
 
 namespace pcl_slim {
 
@@ -68,6 +70,101 @@ class PartialProgress {
  private:
   Progress part_;
 };
+
+/** \brief Tiles that are fitted at the same time, a thread each, and given away in order. */
+class TileQueue {
+ public:
+  TileQueue(StreamState& state, const std::vector<std::size_t>& tiles, const StreamFit::Sink& sink,
+            Progress* progress)
+      : state_(state), tiles_(tiles), sink_(sink), progress_(progress)
+  {
+  }
+
+  /** \brief Fits all. \param[in] at_once how many at the same time */
+  Error fit(int at_once);
+
+ private:
+  void work();
+  bool take(std::size_t& place);
+  Error fitOne(std::size_t place);
+  Error giveAway();
+  bool stopped() const { return progress_ != nullptr && progress_->cancelled(); }
+
+  StreamState& state_;
+  const std::vector<std::size_t>& tiles_;
+  const StreamFit::Sink& sink_;
+  Progress* progress_;
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::mutex mutex_;
+  std::size_t next_ = 0, given_ = 0;  ///< places among the tiles
+  std::map<std::size_t, FittedTile> ready_;
+  Error error_;
+};
+
+Error
+TileQueue::fit(int at_once)
+{
+  parallelFor(static_cast<std::size_t>(at_once), at_once, 1, [&](std::size_t, int) {
+    try {
+      work();
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      next_ = tiles_.size();
+      throw;
+    }
+  });
+  return stopped() ? cancelled() : error_;
+}
+
+/** One thread's share: fits what is next until nothing is left or some tile has failed. */
+void
+TileQueue::work()
+{
+  for (std::size_t place; take(place);) {
+    Error error = fitOne(place);
+    if (!error) continue;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    next_ = tiles_.size();
+  }
+}
+
+bool
+TileQueue::take(std::size_t& place)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  place = next_;
+  if (next_ == tiles_.size() || stopped()) return false;
+  ++next_;
+  return true;
+}
+
+Error
+TileQueue::fitOne(std::size_t place)
+{
+  Progress watched([&](float, const char*) {
+    if (stopped()) watched.cancel();
+  });
+  FittedTile made;
+  if (Error error = state_.fitTile(tiles_[place], 1, made, watched)) return error;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ready_.emplace(place, std::move(made));
+  return giveAway();
+}
+
+/** Gives away the tiles whose turn it is. */
+Error
+TileQueue::giveAway()
+{
+  for (auto first = ready_.begin(); first != ready_.end() && first->first == given_ && !error_;
+       first = ready_.erase(first), ++given_) {
+    if (Error error = state_.give(tiles_[given_], first->second, sink_)) return error;
+  }
+  const auto done = static_cast<float>(given_) / static_cast<float>(tiles_.size());
+  if (progress_ != nullptr && std::this_thread::get_id() == caller_)
+    progress_->report(0.12f + 0.88f * done, "covering");
+  return {};
+}
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cells/cell_counts.h"
+#include "cell_counts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tiles/tile_loader.h"
+#include "tile_store.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "cells/cell_counts.h"
+#include "cell_counts.h"
 #include "pcl_slim/cloud/morton.h"
 
 namespace {
