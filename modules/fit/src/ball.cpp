@@ -88,8 +88,7 @@ frameWithin(const LocalFrame& frame, const LocalFrame& other)
   return within;
 }
 
-}  // namespace
-
+/** The nearest place on the grid of centres. */
 std::array<float, 3>
 onCenterGrid(const std::array<double, 3>& place, double grid)
 {
@@ -98,6 +97,26 @@ onCenterGrid(const std::array<double, 3>& place, double grid)
     center[a] = static_cast<float>(std::round(place[a] / grid) * grid);
   return center;
 }
+
+/** Turns a ball that has lost points to the direction of least spread of those that it kept.
+ */
+FramedBall
+reframed(const FramedBall& ball)
+{
+  const BallSums sums = sumsOf(*ball.points);
+  if (!(sums.weight > 0)) return ball;
+  const LocalFrame old = ball.frame();
+  const Vector3 local = leastSpread(sums);
+  Vector3 normal;
+  for (std::size_t a = 0; a < 3; ++a)
+    normal[a] = local[0] * old.u[a] + local[1] * old.v[a] + local[2] * old.w[a];
+  FramedBall result = ball;
+  result.normal = snapNormal(normal);
+  kernels::toFrame(frameWithin(result.frame(), old), 1.0f, *ball.points);
+  return result;
+}
+
+}  // namespace
 
 BallSite
 siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius)
@@ -157,22 +176,6 @@ framed(const GatheredBall& ball, const FitPlan& plan)
     ball.points->slope_weight = 2.0 * site.noise / (slope_error * slope_error);
   }
   kernels::toFrame(result.frame(), static_cast<float>(site.radius), *ball.points);
-  return result;
-}
-
-FramedBall
-reframed(const FramedBall& ball)
-{
-  const BallSums sums = sumsOf(*ball.points);
-  if (!(sums.weight > 0)) return ball;
-  const LocalFrame old = ball.frame();
-  const Vector3 local = leastSpread(sums);
-  Vector3 normal;
-  for (std::size_t a = 0; a < 3; ++a)
-    normal[a] = local[0] * old.u[a] + local[1] * old.v[a] + local[2] * old.w[a];
-  FramedBall result = ball;
-  result.normal = snapNormal(normal);
-  kernels::toFrame(frameWithin(result.frame(), old), 1.0f, *ball.points);
   return result;
 }
 

@@ -67,10 +67,6 @@ struct GatheredBall {
 BallSite
 siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius);
 
-/** \brief The nearest place on the grid of centres. */
-std::array<float, 3>
-onCenterGrid(const std::array<double, 3>& place, double grid);
-
 /** \brief Gathers balls of one store. One per thread: it keeps its scratch memory, so a gathered
  * ball lasts until the next. */
 class BallGatherer {
@@ -119,11 +115,6 @@ struct FramedBall {
  * of their least weighted spread. */
 FramedBall
 framed(const GatheredBall& ball, const FitPlan& plan);
-
-/** \brief Turns a ball that has lost points to the direction of least spread of those that it kept.
- */
-FramedBall
-reframed(const FramedBall& ball);
 
 /** \brief A surfel as the cover makes it; the columns of SLIMSurface are filled at the end. */
 struct SurfelRecord {

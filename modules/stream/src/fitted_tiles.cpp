@@ -103,8 +103,7 @@ unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surfac
   return tile;
 }
 
-}  // namespace
-
+/** A tile's surfels and statistics as bytes, without its times. */
 Ranks::Bytes
 packedTile(const FittedTile& made)
 {
@@ -115,6 +114,8 @@ packedTile(const FittedTile& made)
   bytes.insert(bytes.end(), slim.begin(), slim.end());
   return bytes;
 }
+
+}  // namespace
 
 Error
 unpackTile(const Ranks::Bytes& bytes, FittedTile& made)

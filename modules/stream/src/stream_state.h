@@ -131,11 +131,7 @@ struct FittedTile {
   bool kept = false;  ///< by an earlier run
 };
 
-/** \brief A tile's surfels and statistics as bytes, without its times. */
-Ranks::Bytes
-packedTile(const FittedTile& made);
-
-/** \brief The inverse. \return an error for bytes of another kind. */
+/** \brief A tile from bytes as FittedTiles has them. \return an error for bytes of another kind. */
 Error
 unpackTile(const Ranks::Bytes& bytes, FittedTile& made);
 
@@ -144,7 +140,7 @@ class FittedTiles {
  public:
   /** \brief Adds one. \param[in] folder of the scratch file; empty: the system's */
   Error add(std::size_t tile, const FittedTile& made, const std::string& folder);
-  /** \brief Reads one that was added, as packedTile() made it. */
+  /** \brief Reads one that was added: its surfels and statistics as bytes, without its times. */
   Error read(std::size_t tile, Ranks::Bytes& bytes) const;
 
  private:
