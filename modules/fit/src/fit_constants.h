@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "pcl_slim/cloud/detail/noise_constants.h"
-#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/detail/noise.h"
+#include "pcl_slim/cloud/detail/sides.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::detail {

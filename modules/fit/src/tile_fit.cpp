@@ -9,7 +9,7 @@
 #include "fit_plan.h"
 #include "measures/measures.h"
 #include "orient.h"
-#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"

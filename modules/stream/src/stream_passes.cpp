@@ -9,7 +9,6 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
-#include "pcl_slim/cloud/detail/frame_measure.h"
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/random.h"

@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "pcl_slim/cloud/detail/noise_measurement.h"
-#include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/surface/polynomial.h"
