@@ -8,7 +8,7 @@
 #include "camera/camera_rays.h"
 #include "fast/fast_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/query/detail/shape_operator.h"
+#include "projection/projection.h"
 #include "pcl_slim/query/partition_of_unity.h"
 #include "reference/tile_passes.h"
 #include "shading/paint_surface.h"

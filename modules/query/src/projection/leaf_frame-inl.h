@@ -8,7 +8,7 @@
 #define PCL_SLIM_LEAF_FRAME_INL
 #endif
 
-#include "pcl_slim/query/detail/projection_kernel.h"
+#include "projection/projection.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -3,7 +3,7 @@
 // Pass 1 gives each point its ray, along the blended normals; pass 2 meets the ray with the leaf
 // and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. theory.md, "Guards",
 // Projection, explains which roots count and how much.
-#include "pcl_slim/query/detail/projection_kernel.h"
+#include "projection/projection.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/projection_kernel.cpp"

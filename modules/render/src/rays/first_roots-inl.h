@@ -8,7 +8,7 @@
 #define PCL_SLIM_FIRST_ROOTS_INL
 #endif
 
-#include "pcl_slim/query/detail/polynomial_roots.h"
+#include "pcl_slim/query/detail/ray_surfel.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
 

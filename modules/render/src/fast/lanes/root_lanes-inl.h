@@ -9,7 +9,7 @@
 #endif
 
 #include "fast/lanes/leaf_rays-inl.h"
-#include "pcl_slim/query/detail/polynomial_roots.h"
+#include "pcl_slim/query/detail/ray_surfel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {

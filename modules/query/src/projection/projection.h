@@ -4,8 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/symmetric.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
@@ -63,19 +64,36 @@ struct BlendRules {
 namespace kernels {
 
 /** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
-PCL_SLIM_EXPORT void
+void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
               BlockSums& sums, LeafHeights& heights);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
-PCL_SLIM_EXPORT void
+void
 finishDirections(BlockSums& sums);
 
 /** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend.
  * \param[in] heights as pass 1 left them. */
-PCL_SLIM_EXPORT void
+void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
                  const LeafHeights& heights, BlockSums& sums);
 
 }  // namespace kernels
+
+/** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
+ * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian.
+ * Positive where the surface bends away from g. */
+std::array<float, 2>
+meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h);
+
+/** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
+PrincipalFrame
+principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h);
+
+/** \brief Fills in dk/dt along each principal direction t: (T(t,t,t) - 3 k H(t,n)) / |g|.
+ * \param[in] third third derivatives: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz. */
+void
+setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, const double third[10],
+               PrincipalFrame& principal);
+
 }  // namespace pcl_slim::detail
