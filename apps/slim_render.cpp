@@ -31,7 +31,7 @@ namespace {
 constexpr double kBytesOfPixel = 40;  ///< of a frame and its picture at least, whatever -aa
 
 struct Settings {
-  std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
+  std::string input, output, sides = "auto", save_camera, json;
   ViewRequest view;
   PictureRequest picture;
   RegionRequest region;
@@ -41,7 +41,7 @@ struct Settings {
   double near_plane = 0.0, lod = 0.0, hole = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   std::uint64_t max_memory = 0;
-  bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
+  bool filtered = true, trim = true, skip = true, quiet = false;
 };
 
 OptionTable
@@ -68,16 +68,12 @@ declareOptions(Settings& s)
   table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.number("hole", &s.hole, 0.0, 1e6,
                "close holes narrower than so many spacings of the points; 0: as they were fitted");
-  table.choice("derivatives", &s.derivatives, {"blended", "unity"},
-               "of normals and curvatures: the leaves', blended, or those of their partition of "
-               "unity, to compare with");
   s.picture.declareFinish(table);
   s.lines.declare(table);
   s.page.declare(table);
   table.number("lod", &s.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
-  table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
   table.integer("repeat", &s.repeat, 0, 10000,
                 "time N frames of one ray a pixel: seconds.frame of -json");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
@@ -103,9 +99,6 @@ renderingOf(const Settings& s)
   params.near_plane = s.near_plane;
   params.lod = s.lod;
   params.cuts = s.region.sides;
-  params.derivatives =
-      s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
-  params.reference = s.reference;
   params.close_gaps = true;
   params.skip = s.skip;
   params.threads = s.threads;

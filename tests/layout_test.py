@@ -39,7 +39,7 @@ ARROWS = {
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),
     "examples": MODULES + ("filters", "visualization"),
-    "benchmarks": MODULES + ("filters", "visualization", "apps"),
+    "benchmarks": MODULES + ("filters", "visualization", "apps", "tests"),  # tests: support/lab
     "tests": MODULES + ("filters", "visualization", "apps"),
 }
 
@@ -60,7 +60,7 @@ def room_of(path):
 
 
 def folder_of(path):
-    """modules/render/src/fast/lanes/x.h -> modules/render/src/fast, apps/scan/x.h -> apps/scan; None for what
+    """modules/render/src/fast/setup/x.h -> modules/render/src/fast, apps/scan/x.h -> apps/scan; None for what
     is in src or apps itself, which ties the folders together, and for other places."""
     parts = path.split("/")
     depth = parts.index("src") + 1 if "src" in parts else 1 if parts[0] == "apps" else len(parts)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ray meets of a surface, in double: modules/render/src/reference, leaf by leaf.
+// What a ray meets of a surface, in double: modules/render/src/tiles/leaf_on_ray.cpp, leaf by leaf.
 import {COLOR_TERMS, frameOf} from './surface.js';
 import {along, cross, dot, length, scaled, unit} from './vectors.js';
 

@@ -37,9 +37,9 @@ PageRequest::check(const OptionTable& table, const std::string& output, const st
                ? refused("-precision", "is for pages: name an output that ends in .html")
                : Error{};
   }
-  for (const char* name : {"size", "bar", "turntable", "region", "derivatives", "aa", "lines",
-                           "line_width", "line_curvature", "line_slope", "line_length", "skip",
-                           "reference", "repeat", "lights", "filtered"}) {
+  for (const char* name :
+       {"size", "bar", "turntable", "region", "aa", "lines", "line_width", "line_curvature",
+        "line_slope", "line_length", "skip", "repeat", "lights", "filtered"}) {
     if (table.given(name)) {
       return refused("-" + std::string(name), "means nothing in a page: leave it out");
     }

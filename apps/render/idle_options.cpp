@@ -23,7 +23,7 @@ colorRules(const DrawnThing& d)
   const bool traced = d.picture.isTraced(), picture = !d.is_page && !traced;
   return {
       {traced,
-       {"range", "map", "bar", "unit", "lighting", "lod", "reference", "derivatives", "repeat"},
+       {"range", "map", "bar", "unit", "lighting", "lod", "repeat"},
        "-mode raytraced does not use it"},
       {!traced, {"lights"}, "only -mode raytraced has lights"},
       {d.lines.sketch, {"ao", "aa", "lighting", "white"}, "-mode sketch draws lines on white"},
@@ -43,7 +43,7 @@ objectRules(const DrawnThing& d)
   const PictureLineParams found = d.lines.finding(1);
   return {
       {d.is_splats,
-       {"derivatives", "hole", "trim", "reference", "lod", "repeat"},
+       {"hole", "trim", "lod", "repeat"},
        "it is for surfaces"},
       {!d.is_splats, {"filtered"}, "it is for splats"},
       {!d.trim, {"hole"}, "-trim 0 keeps no borders"},

@@ -77,9 +77,8 @@ printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet&
   for (int trim = 0; trim < 2; ++trim) {
     RenderParams params;
     params.threads = s.fit.threads;
-    params.reference = s.reference;
     params.trim = trim == 1;
-    areas[trim] = borders::drawnArea(surface, feet, params, s.size);
+    areas[trim] = borders::drawnArea(surface, feet, params, s.size, s.reference);
     lost[trim] = borders::lostShare(surface, feet, params);
   }
   std::printf(
@@ -107,9 +106,8 @@ run(const Settings& s, const CloudView& view, const borders::RimScene* scene)
   for (int trim = 0; scene != nullptr && trim < 2; ++trim) {
     RenderParams params;
     params.threads = s.fit.threads;
-    params.reference = s.reference;
     params.trim = trim == 1;
-    const borders::RimFigures f = borders::measureRims(*scene, surface, params);
+    const borders::RimFigures f = borders::measureRims(*scene, surface, params, s.reference);
     std::printf("  rim %s: mean %+.2f, sd %.2f, max %.2f, jag %.2f spacings\n",
                 trim == 1 ? "trimmed" : "as balls end", f.mean, f.deviation, f.farthest, f.jag);
   }

@@ -9,6 +9,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/lab/reference/reference_renderer.h"
 
 namespace pcl_slim::borders {
 namespace {
@@ -173,17 +174,19 @@ feetOf(const PointStore& points, const SLIMSurface& surface, int threads)
 }
 
 DrawnArea
-drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size)
+drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size,
+          bool reference)
 {
   DrawnArea area;
   RenderParams own = params;
   own.columns = kPositionColumn;
   SurfaceRenderer renderer(surface, params.threads);
+  lab::ReferenceRenderer exact(surface);
   GBuffer buffer;
   const FootSearch search(feet);
   for (const Camera& camera : axisViews(surface, size)) {
     const double start = measure::wallSeconds();
-    if (renderer.render(camera, own, buffer)) return {};
+    if (reference ? exact.render(camera, own, buffer) : renderer.render(camera, own, buffer)) return {};
     area.seconds += measure::wallSeconds() - start;
     addView({surface, camera, buffer}, search, buffer, resolveThreads(params.threads), area);
   }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/lab/reference/reference_renderer.h"
 
 namespace pcl_slim::borders {
 namespace {
@@ -114,7 +115,8 @@ drawnRim(const RimPlace& place, const GBuffer& picture)
 }
 
 Error
-drawFromAbove(const SLIMSurface& surface, const RenderParams& params, GBuffer& picture)
+drawFromAbove(const SLIMSurface& surface, const RenderParams& params, bool reference,
+              GBuffer& picture)
 {
   Camera camera;
   camera.projection = Camera::Projection::kOrthographic;
@@ -124,7 +126,8 @@ drawFromAbove(const SLIMSurface& surface, const RenderParams& params, GBuffer& p
   RenderParams own = params;
   own.sides = VisibleSides::kBoth;
   own.columns = 0;
-  return renderSurface(surface, camera, own, picture);
+  return reference ? lab::renderReference(surface, camera, own, picture)
+                   : renderSurface(surface, camera, own, picture);
 }
 
 /** \brief Sums over places of rims. */
@@ -184,10 +187,11 @@ makeRimScene(const std::string& name, double noise, std::uint64_t seed)
 }
 
 RimFigures
-measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params)
+measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params,
+            bool reference)
 {
   GBuffer picture;
-  if (drawFromAbove(surface, params, picture)) return {};
+  if (drawFromAbove(surface, params, reference, picture)) return {};
   RimSums sums;
   for (const auto& rim : scene.rims) {
     std::vector<double> drawn;

@@ -34,8 +34,9 @@ struct RimFigures {
   double jag = 0.0;  ///< RMS change over one spacing of the rim
 };
 
-/** \brief Measures all of a scene's rims in a picture from above. */
+/** \brief Measures all of a scene's rims in a picture from above, by the reference rasteriser if wanted. */
 RimFigures
-measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params);
+measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params,
+            bool reference);
 
 }  // namespace pcl_slim::borders

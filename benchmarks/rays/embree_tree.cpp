@@ -8,8 +8,7 @@
 #include <string>
 
 #include "pcl_slim/core/parallel.h"
-#include "reference/leaf_on_ray.h"
-#include "tiles/frame_rules.h"
+#include "tiles/tiles.h"
 
 namespace pcl_slim::bench {
 namespace {

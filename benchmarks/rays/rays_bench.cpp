@@ -18,6 +18,7 @@
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/render/traced_picture.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/reference/reference_renderer.h"
 
 using namespace pcl_slim;
 using measure::cpuSeconds;
@@ -270,11 +271,10 @@ run(const Settings& s)
               all, small);
   if (s.reference) {
     RenderParams params;
-    params.reference = true;
     params.columns = 0;
     params.threads = s.threads;
     GBuffer reference;
-    if (renderSurface(*surface, camera, params, reference)) return kExitFailed;
+    if (lab::renderReference(*surface, camera, params, reference)) return kExitFailed;
     printDifference(buffer, reference, surface->info.diagonal);
   }
   if (s.embree) printTrees(s, *surface, camera, buffer);

@@ -26,6 +26,9 @@ render() {
     "${@:3}"
 }
 
+# unity NAME PICTURE OPTIONS...: the same by the derivatives of NAME.slim's partition of unity.
+unity() { "$bin/unity_picture" "$work/$1.slim" "$work/$2.png" -white 1 "${@:3}"; }
+
 # near NAME FOV: the camera of "$work/NAME.txt" with a narrower field of view.
 near() { awk -F, -v fov="$2" '{ OFS = ","; $10 = fov; print }' "$work/$1.txt"; }
 
@@ -143,12 +146,12 @@ sheet figure_13.png 3 'suggestive contours' armadillo_contours "$(leaves armadil
 for degree in 2 3; do
   fit "$bunny" bunny_$degree -degree $degree
   render bunny_$degree bunny -size 360x340 -save_camera "$work/bunny.txt"
-  for derivatives in blended unity; do
-    render bunny_$degree shaded_${derivatives}_$degree -size 360x340 -derivatives $derivatives -ao 0 \
-      -camera "$(near bunny 9)"
-    render bunny_$degree mean_${derivatives}_$degree -size 360x340 -derivatives $derivatives \
-      -mode mean -range 200 -camera "$(near bunny 14)"
-  done
+  shaded=(-size 360x340 -ao 0 -camera "$(near bunny 9)")
+  mean=(-size 360x340 -mode mean -range 200 -camera "$(near bunny 14)")
+  render bunny_$degree shaded_blended_$degree "${shaded[@]}"
+  render bunny_$degree mean_blended_$degree "${mean[@]}"
+  unity bunny_$degree shaded_unity_$degree "${shaded[@]}"
+  unity bunny_$degree mean_unity_$degree "${mean[@]}"
 done
 sheet figure_15.png 4 'quadratic, blended gradients' shaded_blended_2 \
   'quadratic, partition of unity' shaded_unity_2 'cubic, blended gradients' shaded_blended_3 \

@@ -58,7 +58,6 @@ expect 0 '' pcl_slim_render surface.pcd again.png $small -mode color -threads 3 
 same color.png again.png
 expect 0 '' pcl_slim_render surface.slim lit.png $small -mode color -lighting 1
 differ color.png lit.png
-expect 0 '' pcl_slim_render surface.slim reference.png $small -mode color -reference 1
 expect 0 '' pcl_slim_fit scan.pcd grey.slim -color 0
 [ "$(wc -c < grey.slim)" -lt "$(wc -c < surface.slim)" ] || complain "-color 0 keeps colours"
 expect 0 '' pcl_slim_render grey.slim again.png $small
@@ -115,14 +114,13 @@ same range.png range2.png
 differ mean.png range.png
 expect 0 '' pcl_slim_render surface.slim map.png $small -mode mean -map perceptual
 differ mean.png map.png
-expect 2 'partition of unity' pcl_slim_render surface.slim unity.png $small -derivatives unity
 wide="-size 320x240 -aa 1 -mode mean"
 expect 0 '' pcl_slim_render surface.slim plain.png $wide
 expect 0 '' pcl_slim_render surface.slim bar.png $wide -bar 1
 expect 0 '' pcl_slim_render surface.slim unit.png $wide -bar 1 -unit mm
 differ plain.png bar.png
 differ bar.png unit.png
-expect 0 '' pcl_slim_render surface.slim exact.png $small -reference 1 -repeat 2 -json frames.json
+expect 0 '' pcl_slim_render surface.slim exact.png $small -repeat 2 -json frames.json
 for key in frame shade; do
   grep -q "\"$key\"" frames.json || complain "the report lacks seconds.$key"
 done

@@ -12,6 +12,7 @@
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/reference/reference_renderer.h"
 
 namespace pcl_slim_test {
 
@@ -61,11 +62,11 @@ renderSurfaceOf(const SLIMSurface& surface)
   const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
   if (camera.validate()) return;
   for (const bool reference : {false, true}) {
+    const auto draw = reference ? lab::renderReference : renderSurface;
     RenderParams params;
     params.threads = 1;
-    params.reference = reference;
     GBuffer buffer;
-    require(renderSurface(surface, camera, params, buffer));
+    require(draw(surface, camera, params, buffer, nullptr));
     for (const float depth : buffer.depth) require(!std::isnan(depth));
   }
 }

@@ -12,6 +12,7 @@
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/reference/reference_renderer.h"
 
 namespace pcl_slim_test {
 
@@ -275,9 +276,9 @@ judgeRender(const StressCloud& cloud, const Fit& fit)
   for (const bool reference : {false, true}) {
     RenderParams params;
     params.threads = 1;
-    params.reference = reference;
     GBuffer buffer;
-    const Error error = renderer.render(camera, params, buffer);
+    const Error error = reference ? lab::renderReference(fit.surface, camera, params, buffer)
+                                  : renderer.render(camera, params, buffer);
     const StressOutcome outcome = judgePicture(cloud, buffer, error);
     if (outcome.kind != StressOutcome::Kind::kResult) return outcome;
   }

@@ -4,6 +4,7 @@
 
 #include "pcl_slim/render/auto_view.h"
 #include "support/colors.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "web/page_file.h"
 #include "web/page_frame.h"
 
@@ -28,10 +29,11 @@ TEST(ColoredPage, DrawsTheSurfacesColours)
     shading.mode = ShadingMode::kColor;
     shading.lighting = false;
     shading.supersampling = 1;
-    SurfaceRenderer renderer(surface);
     RenderParams rendering;
-    rendering.reference = true;
-    const auto picture = renderPicture(renderer, camera, rendering, shading);
+    rendering.columns = columnsFor(shading);
+    GBuffer truth;
+    ASSERT_FALSE(lab::renderReference(surface, camera, rendering, truth));
+    const auto picture = shade(truth, camera, shading, surface.info.scale);
     ASSERT_TRUE(picture);
     const PageFrame frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, 0.0,
                                      {"color", "shaded", "color"}, exact);
@@ -54,9 +56,8 @@ TEST(ColoredPage, AnswersClicksWithTheColour)
     const PageFrame frame = drawPage("cast.mjs", page.path(), surface, {48, 36}, 0.0, {"color"});
     GBuffer truth;
     RenderParams rendering;
-    rendering.reference = true;
     rendering.columns |= kColorColumn;
-    ASSERT_FALSE(SurfaceRenderer(surface).render(camera, rendering, truth));
+    ASSERT_FALSE(lab::renderReference(surface, camera, rendering, truth));
     ASSERT_EQ(frame.pictures.size(), 1u);
     std::size_t seen = 0, off = 0;
     for (std::size_t i = 0; i < truth.numPixels(); ++i) {

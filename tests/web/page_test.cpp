@@ -12,6 +12,7 @@
 #include "pcl_slim/web/page.h"
 #include "support/clouds.h"
 #include "support/frame_difference.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "unit/render/sphere_view.h"
 #include "web/page_file.h"
 #include "web/page_frame.h"
@@ -50,9 +51,9 @@ class PageInBrowser : public testing::Test {
     frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes, exact);
     RenderParams rendering;
     rendering.lod = lod;
-    rendering.reference = lod == 0.0;  // which draws leaves alone
+    const auto draw = lod == 0.0 ? lab::renderReference : renderSurface;  // the former: leaves alone
     GBuffer truth;
-    EXPECT_FALSE(SurfaceRenderer(surface).render(camera, rendering, truth));
+    EXPECT_FALSE(draw(surface, camera, rendering, truth, nullptr));
     if (frame.buffer.numPixels() != truth.numPixels()) return {};
     return compareFrames(frame.buffer, truth, surface.info.diagonal);
   }
@@ -128,15 +129,11 @@ TEST_F(PageInBrowser, DrawsGivenSurfaces)
     const Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), size);
     const PageFile page(surface, camera, PageParams().precision);
     const PageFrame frame = drawPage("gbuffer.mjs", page.path(), surface, size, 0.0, {"shaded"});
-    SurfaceRenderer renderer(surface);
-    RenderParams rendering;
-    rendering.reference = true;
     GBuffer truth;
-    ASSERT_FALSE(renderer.render(camera, rendering, truth));
+    ASSERT_FALSE(lab::renderReference(surface, camera, {}, truth));
     ShadingParams shading;
     shading.ambient_occlusion = 0.0;
-    shading.supersampling = 1;
-    const auto picture = renderPicture(renderer, camera, rendering, shading);
+    const auto picture = shade(truth, camera, shading, surface.info.scale);
     ASSERT_TRUE(picture);
     ASSERT_EQ(frame.pictures.size(), 1u) << name;
     const FrameDifference d = compareFrames(frame.buffer, truth, surface.info.diagonal);
@@ -274,9 +271,7 @@ TEST(PageInNode, AnswersClicksInDouble)
     const PageFile page(surface, camera, 0.0);
     const PageFrame frame = drawPage("cast.mjs", page.path(), surface, {48, 36}, 0.0, {});
     GBuffer truth;
-    RenderParams rendering;
-    rendering.reference = true;
-    ASSERT_FALSE(SurfaceRenderer(surface).render(camera, rendering, truth));
+    ASSERT_FALSE(lab::renderReference(surface, camera, {}, truth));
     ASSERT_EQ(frame.buffer.numPixels(), truth.numPixels());
     const FrameDifference d = compareFrames(frame.buffer, truth, surface.info.diagonal);
     EXPECT_GT(d.both, 300u);

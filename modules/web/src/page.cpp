@@ -240,7 +240,7 @@ Result<std::string> rangesSeen(SurfaceRenderer& renderer, const Camera& camera,
 Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                                const RenderParams& rendering, const ShadingParams& shading,
                                const PageParams& params) {
-  if (!rendering.cuts.empty() || rendering.derivatives != Derivatives::kBlended) {
+  if (!rendering.cuts.empty()) {
     return Error{ErrorCode::kBadArgument,
                  "a page shows a whole surface with blended derivatives; leave out cuts"};
   }

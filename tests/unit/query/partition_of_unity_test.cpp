@@ -5,14 +5,16 @@
 #include <cmath>
 
 #include "pcl_slim/core/vector3.h"
-#include "pcl_slim/query/partition_of_unity.h"
 #include "support/clouds.h"
+#include "support/lab/reference/partition_of_unity.h"
 
 namespace pcl_slim {
 namespace {
 
 using measure::Shape;
 using namespace pcl_slim_test;
+using lab::ImplicitJet;
+using lab::PartitionOfUnity;
 
 class PartitionOfUnityKernels : public testing::TestWithParam<WeightKernel> {};
 

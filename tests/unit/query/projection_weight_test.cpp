@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "pcl_slim/query/partition_of_unity.h"
 #include "support/clouds.h"
+#include "support/lab/reference/partition_of_unity.h"
 
 namespace pcl_slim {
 namespace {
@@ -82,8 +82,8 @@ TEST_F(ProjectionVarianceWeight, ThePartitionOfUnityWeighsAlike)
   SLIMSurface surface = twoLeaves(store_, static_cast<float>(good), static_cast<float>(bad), noise);
   // Both weigh alike at their common centre but for what they leave: f is 0 and -kOffset there.
   const auto share = [&] {
-    ImplicitJet jet;
-    EXPECT_TRUE(PartitionOfUnity(surface).evaluate({0, 0, 0}, jet));
+    lab::ImplicitJet jet;
+    EXPECT_TRUE(lab::PartitionOfUnity(surface).evaluate({0, 0, 0}, jet));
     return -jet.value / kOffset;
   };
   const double variance = noise * noise + std::pow(1e-3 * kRadius, 2);

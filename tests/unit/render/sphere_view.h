@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "unit/render/test_surfaces.h"
 
 /** \brief A camera before a sphere, and what its picture must show. */
@@ -88,11 +89,22 @@ compareWithSphere(const GBuffer& buffer, const Camera& camera, double radius, do
 }
 
 inline GBuffer
-rendered(const SLIMSurface& surface, const Camera& camera, RenderParams params = {},
+rendered(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {},
          RenderStatistics* statistics = nullptr)
 {
   GBuffer buffer;
   const Error error = renderSurface(surface, camera, params, buffer, statistics);
+  EXPECT_FALSE(error) << error.message;
+  return buffer;
+}
+
+/** \brief The same in double, leaf by leaf and ray by ray. */
+inline GBuffer
+referenceFrame(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {},
+               RenderStatistics* statistics = nullptr)
+{
+  GBuffer buffer;
+  const Error error = lab::renderReference(surface, camera, params, buffer, statistics);
   EXPECT_FALSE(error) << error.message;
   return buffer;
 }

@@ -14,6 +14,7 @@
 #include "support/clouds.h"
 #include "support/colors.h"
 #include "support/frame_difference.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "unit/render/sphere_view.h"
 #include "unit/web/web_decoder.h"
 
@@ -47,11 +48,10 @@ FrameDifference
 difference(const SLIMSurface& seen, const SLIMSurface& truth)
 {
   RenderParams params;
-  params.reference = true;
   const Camera camera = fitCamera(spheresOf(truth), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
   GBuffer buffers[2];
-  EXPECT_FALSE(SurfaceRenderer(seen).render(camera, params, buffers[0]));
-  EXPECT_FALSE(SurfaceRenderer(truth).render(camera, params, buffers[1]));
+  EXPECT_FALSE(lab::renderReference(seen, camera, params, buffers[0]));
+  EXPECT_FALSE(lab::renderReference(truth, camera, params, buffers[1]));
   return compareFrames(buffers[0], buffers[1], truth.info.diagonal);
 }
 
@@ -94,12 +94,11 @@ double
 colorDifference(const SLIMSurface& seen, const SLIMSurface& truth, double share)
 {
   RenderParams params;
-  params.reference = true;
   const Camera camera = fitCamera(spheresOf(truth), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
   GBuffer a, b;
   params.columns |= kColorColumn;
-  EXPECT_FALSE(SurfaceRenderer(seen).render(camera, params, a));
-  EXPECT_FALSE(SurfaceRenderer(truth).render(camera, params, b));
+  EXPECT_FALSE(lab::renderReference(seen, camera, params, a));
+  EXPECT_FALSE(lab::renderReference(truth, camera, params, b));
   std::vector<double> differences;
   for (std::size_t i = 0; i < a.numPixels(); ++i) {
     for (std::size_t c = 0; c < 3 && a.covered(i) && b.covered(i); ++c)

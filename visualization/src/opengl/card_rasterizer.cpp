@@ -15,7 +15,7 @@
 
 #include "frame/frame.h"
 #include "pcl_slim/core/vector3.h"
-#include "pcl_slim/render/detail/weight_reach.h"
+#include "pcl_slim/render/detail/frame_constants.h"
 
 namespace pcl_slim::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstring>
 
 #include "fast/block_passes-inl.h"
-#include "tiles/clear_pixels.h"
+#include "tiles/tiles.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {

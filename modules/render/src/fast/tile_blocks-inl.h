@@ -13,9 +13,9 @@
 
 #include "hwy/cache_control.h"
 
-#include "fast/frame_scene.h"
-#include "fast/lanes/lanes-inl.h"
-#include "tiles/surfel_bins.h"
+#include "fast/fast_rasterizer.h"
+#include "fast/lanes-inl.h"
+#include "tiles/tiles.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Principal and radial curvatures of a picture's pixels, a vector of neighbours at a time.
-#include "lines/frame_rows.h"
+#include "lines/lines.h"
 
 #include <cstdint>
 

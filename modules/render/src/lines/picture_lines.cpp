@@ -6,9 +6,7 @@
 #include <limits>
 #include <memory>
 
-#include "lines/chains.h"
-#include "lines/pixel_geometry.h"
-#include "lines/zero_lines.h"
+#include "lines/lines.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {

@@ -1,29 +1,262 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lines/zero_lines.h"
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <unordered_set>
 
+#include "lines/lines.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
+constexpr double kDepthStep = 0.03;       ///< [L]
+constexpr double kStorePrecision = 1e-9;  ///< [L]
+/** Noise of curvature is 60 sigma / (r^2 sqrt(n_eff)): measured on spheres and tori. */
+constexpr double kNoiseFactor = 60;
+constexpr float kStep = 2.0f;        ///< pixels over which k is differenced, at least
+constexpr float kRadiusStep = 0.1f;  ///< of the leaf's radius, at least
+constexpr float kMostStep = 24.0f;   ///< pixels, at most
+
+std::array<float, 3>
+toFloat(const Vector3& v)
+{
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+}  // namespace
+
+PixelGeometry::PixelGeometry(const GBuffer& buffer, const Camera& camera,
+                             const SLIMSurface& surface)
+    : buffer_(buffer),
+      surface_(surface),
+      rays_(camera, surface.info.origin, surface.info.scale),
+      perspective_(camera.projection == Camera::Projection::kPerspective),
+      diagonal_(surface.info.diagonal),
+      sigma_(std::max(std::sqrt(std::max(surface.info.lambda, 0.0)), kStorePrecision) * diagonal_),
+      step_(static_cast<float>(kDepthStep * diagonal_))
+{
+  const CameraAxes axes(camera);
+  right_ = toFloat(axes.right);
+  up_ = toFloat(axes.up);
+  forward_ = toFloat(axes.forward);
+}
+
+PictureRow
+PixelGeometry::row(int y) const
+{
+  const std::size_t first = buffer_.index(0, y);
+  const auto [left, height] = rays_.inPlane(0, y);
+  return {buffer_.depth.data() + first,
+          buffer_.normal[first].data(),
+          buffer_.gradient[first].data(),
+          buffer_.hessian[first].data(),
+          buffer_.width,
+          static_cast<float>(left),
+          static_cast<float>(height),
+          static_cast<float>(rays_.pixel()),
+          perspective_,
+          right_,
+          up_,
+          forward_};
+}
+
+bool
+PixelGeometry::rowIsEmpty(int y) const
+{
+  const std::uint32_t* const begin = buffer_.surfel.data() + buffer_.index(0, y);
+  return std::all_of(begin, begin + buffer_.width,
+                     [](std::uint32_t surfel) { return surfel == GBuffer::kNothing; });
+}
+
+float
+PixelGeometry::pixelLength(std::size_t pixel, int x, int y) const
+{
+  const Ray ray = rays_.ray(x, y);
+  return static_cast<float>(
+      rays_.pixelLength(along(ray.origin, buffer_.depth[pixel], ray.direction)));
+}
+
+float
+PixelGeometry::depthOfPlane(std::size_t pixel, int x, int y, int other_x, int other_y) const
+{
+  const Ray own = rays_.ray(x, y), ray = rays_.ray(other_x, other_y);
+  const auto& n = buffer_.normal[pixel];
+  const Vector3 normal = {n[0], n[1], n[2]};
+  const Vector3 point = along(own.origin, buffer_.depth[pixel], own.direction);
+  const double slope = dot(normal, ray.direction);
+  const double height = dot(normal, subtract(point, ray.origin));
+  const double depth = slope != 0 ? height / slope : -1.0;
+  return depth > 0 ? static_cast<float>(depth) : -std::numeric_limits<float>::infinity();
+}
+
+float
+PixelGeometry::differenceStep(std::size_t pixel, const Pixel2& screen) const
+{
+  const float pixels = std::sqrt(screen[0] * screen[0] + screen[1] * screen[1]);
+  const float step = std::max(kStep, kRadiusStep * buffer_.radius[pixel] * pixels);
+  return std::min(step, kMostStep) / pixels;
+}
+
+float
+PixelGeometry::noiseOfCurvature(std::size_t pixel) const
+{
+  const std::uint32_t leaf = buffer_.surfel[pixel];
+  const double r = surface_.radius[leaf], n = std::max(1.0f, surface_.effective_count[leaf]);
+  return static_cast<float>(kNoiseFactor * sigma_ / (r * r * std::sqrt(n)));
+}
+
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+class Joiner {
+ public:
+  Joiner(const std::vector<Link>& links, std::size_t num_joints)
+      : links_(links), meetings_(num_joints), used_(links.size(), 0)
+  {
+    for (std::uint32_t i = 0; i < links.size(); ++i) {
+      for (const std::uint32_t joint : links[i].joint) {
+        Meeting& meeting = meetings_[joint];
+        if (meeting.count < 2) meeting.link[meeting.count] = i;
+        ++meeting.count;
+      }
+    }
+  }
+
+  std::vector<Chain> join()
+  {
+    std::vector<Chain> chains;
+    // First the lines that have ends, then what is left: rings.
+    for (const bool rings : {false, true}) {
+      for (std::uint32_t i = 0; i < links_.size(); ++i) {
+        for (const std::uint32_t joint : links_[i].joint) {
+          if (used_[i] || (!rings && meetings_[joint].count == 2)) continue;
+          chains.push_back(follow(i, joint));
+          if (!rings) continue;
+          chains.back().closed = true;
+          chains.back().joints.pop_back();
+        }
+      }
+    }
+    return chains;
+  }
+
+ private:
+  struct Meeting {
+    std::array<std::uint32_t, 2> link{kNone, kNone};
+    std::uint32_t count = 0;
+  };
+
+  Chain follow(std::uint32_t link, std::uint32_t joint)
+  {
+    Chain chain;
+    chain.joints.push_back(joint);
+    while (!used_[link]) {
+      used_[link] = 1;
+      const auto& ends = links_[link].joint;
+      joint = ends[0] == joint ? ends[1] : ends[0];
+      chain.joints.push_back(joint);
+      const Meeting& meeting = meetings_[joint];
+      if (meeting.count != 2) break;
+      link = meeting.link[0] == link ? meeting.link[1] : meeting.link[0];
+    }
+    return chain;
+  }
+
+  const std::vector<Link>& links_;
+  std::vector<Meeting> meetings_;
+  std::vector<std::uint8_t> used_;
+};
+
+/** Sets of chains that meet at their ends. */
+class Meetings {
+ public:
+  Meetings(const std::vector<Chain>& chains, std::size_t num_joints)
+      : first_(num_joints, kNone), parent_(chains.size()), length_(chains.size())
+  {
+    for (std::uint32_t i = 0; i < chains.size(); ++i) {
+      parent_[i] = i;
+      length_[i] = chains[i].joints.size();
+    }
+    for (std::uint32_t i = 0; i < chains.size(); ++i) {
+      if (chains[i].closed) continue;
+      for (const std::uint32_t joint : {chains[i].joints.front(), chains[i].joints.back()}) {
+        std::uint32_t& other = first_[joint];
+        if (other == kNone) {
+          other = i;
+        } else {
+          join(i, other);
+          shared_.insert(joint);
+        }
+      }
+    }
+  }
+
+  bool isShared(std::uint32_t joint) const { return shared_.count(joint) != 0; }
+  std::size_t lengthAround(std::uint32_t chain) { return length_[rootOf(chain)]; }
+
+ private:
+  std::uint32_t rootOf(std::uint32_t i)
+  {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+
+  void join(std::uint32_t a, std::uint32_t b)
+  {
+    a = rootOf(a);
+    b = rootOf(b);
+    if (a == b) return;
+    parent_[a] = b;
+    length_[b] += length_[a];
+  }
+
+  std::vector<std::uint32_t> first_, parent_;
+  std::vector<std::size_t> length_;
+  std::unordered_set<std::uint32_t> shared_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t>
+longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double least_length)
+{
+  Meetings meetings(chains, num_joints);
+  std::vector<std::uint8_t> keep(chains.size());
+  for (std::uint32_t i = 0; i < chains.size(); ++i) {
+    const Chain& chain = chains[i];
+    keep[i] = static_cast<double>(chain.joints.size()) >= least_length;
+    if (keep[i] || chain.closed) continue;
+    keep[i] = meetings.isShared(chain.joints.front()) && meetings.isShared(chain.joints.back()) &&
+              static_cast<double>(meetings.lengthAround(i)) >= least_length;
+  }
+  return keep;
+}
+
+std::vector<Chain>
+joinLinks(const std::vector<Link>& links, std::size_t num_joints)
+{
+  return Joiner(links, num_joints).join();
+}
+
+namespace {
+
 constexpr float kReach = 2.0f;  ///< strength that a line has somewhere
 constexpr std::size_t kBandRows = 16;
 constexpr double kLongestLink = 1.4143;  ///< pixels: across a cell
-constexpr float kNone = -1.0f;
+constexpr float kNowhere = -1.0f;
 
-/** Where a field crosses zero between two neighbours, as a share of the way; kNone: nowhere. */
+/** Where a field crosses zero between two neighbours, as a share of the way; kNowhere: nowhere. */
 float
 crossingBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb)
 {
-  if (a.kind[xa] == 0 || a.kind[xa] != b.kind[xb]) return kNone;
+  if (a.kind[xa] == 0 || a.kind[xa] != b.kind[xb]) return kNowhere;
   const auto &da = a.frames.direction, &db = b.frames.direction;
   const float along = da[0][xa] * db[0][xb] + da[1][xa] * db[1][xb] + da[2][xa] * db[2][xb];
   const float at_a = a.value[xa], at_b = along >= 0 ? b.value[xb] : -b.value[xb];
-  return (at_a < 0) == (at_b < 0) ? kNone : at_a / (at_a - at_b);
+  return (at_a < 0) == (at_b < 0) ? kNowhere : at_a / (at_a - at_b);
 }
 
 }  // namespace
@@ -42,9 +275,9 @@ class ZeroTracer::BandScan {
         width_(static_cast<std::size_t>(field.geometry().buffer().width)),
         upper_(static_cast<int>(width_)),
         lower_(upper_),
-        across_(width_, kNone),
-        next_across_(width_, kNone),
-        down_(width_, kNone)
+        across_(width_, kNowhere),
+        next_across_(width_, kNowhere),
+        down_(width_, kNowhere)
   {
   }
 
@@ -58,7 +291,7 @@ class ZeroTracer::BandScan {
       const bool last = y + 1 == height;
       if (!last) load(y + 1, lower_, next_across_);
       for (std::size_t x = 0; x < width_; ++x) {
-        down_[x] = last ? kNone : crossingBetween(upper_, x, lower_, x);
+        down_[x] = last ? kNowhere : crossingBetween(upper_, x, lower_, x);
       }
       collect(y * width_);
       if (!last) link(y * width_);

@@ -12,7 +12,6 @@
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
-#include "rays/tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {

@@ -6,7 +6,7 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
-#include "shading/linear_light.h"
+#include "shading/shading.h"
 
 namespace pcl_slim {
 

@@ -62,11 +62,10 @@ viewOf(const SLIMSurface& surface, int width, int height)
 
 /** \brief A frame of each rasteriser. */
 Difference
-difference(const SLIMSurface& surface, const Camera& camera, RenderParams params = {})
+difference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {})
 {
   const GBuffer fast = rendered(surface, camera, params);
-  params.reference = true;
-  const GBuffer reference = rendered(surface, camera, params);
+  const GBuffer reference = referenceFrame(surface, camera, params);
   return {fast, reference, 2e-3};
 }
 

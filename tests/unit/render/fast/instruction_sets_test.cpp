@@ -37,9 +37,7 @@ TEST_P(InstructionSets, PicturesAgreeWithTheReference)
     RenderParams params;
     params.sides = sides;
     params.threads = 1;
-    params.reference = true;
-    const GBuffer exact = rendered(surface, camera, params);
-    params.reference = false;
+    const GBuffer exact = referenceFrame(surface, camera, params);
     pcl_slim_test::forEachInstructionSet([&](const char* name) {
       const GBuffer buffer = rendered(surface, camera, params);
       std::size_t numbers = 0, agree = 0;

@@ -8,6 +8,7 @@
 #include "pcl_slim/render/shading.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "support/clouds.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "unit/render/same_buffers.h"
 #include "unit/render/sphere_view.h"
 
@@ -157,9 +158,8 @@ TEST_F(LevelOfDetail, TheReferenceHasNone)
 {
   RenderParams params;
   params.lod = 1.0;
-  params.reference = true;
   GBuffer buffer;
-  EXPECT_TRUE(renderSurface(*surface_, camera(16, 12), params, buffer));
+  EXPECT_TRUE(lab::renderReference(*surface_, camera(16, 12), params, buffer));
 }
 
 }  // namespace

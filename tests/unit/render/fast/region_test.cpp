@@ -57,8 +57,8 @@ TEST(Region, ACutOpensASphereToItsInnerSide)
   RenderParams params;
   params.cuts = {{{0.0, 0.0, -2.0}, 0.0}};  // keeps z <= 0: the farther half
   for (const bool reference : {false, true}) {
-    params.reference = reference;
-    const GBuffer cut = rendered(sphere, camera, params);
+    const GBuffer cut =
+        reference ? referenceFrame(sphere, camera, params) : rendered(sphere, camera, params);
     std::size_t met = 0;
     for (int y = 0; y < cut.height; ++y) {
       for (int x = 0; x < cut.width; ++x) {
@@ -83,11 +83,9 @@ TEST(Region, WhatARayHasLeftIsNotDrawn)
 {
   RenderParams params;
   params.cuts = {{{0.0, 0.0, 1.0}, 2.0 * kSphere}};  // in front of all of the sphere
-  for (const bool reference : {false, true}) {
-    params.reference = reference;
-    const GBuffer cut = rendered(sphereSurface(4, kSphere, 600, 0.07), frontCamera(), params);
-    EXPECT_EQ(cut.numCovered(), 0u);
-  }
+  const SLIMSurface sphere = sphereSurface(4, kSphere, 600, 0.07);
+  EXPECT_EQ(rendered(sphere, frontCamera(), params).numCovered(), 0u);
+  EXPECT_EQ(referenceFrame(sphere, frontCamera(), params).numCovered(), 0u);
 }
 
 class RegionViews : public testing::TestWithParam<bool> {};
@@ -101,8 +99,7 @@ TEST_P(RegionViews, RasterisersAndTracerAgree)
   params.cuts.push_back({{1.0, 2.0, 3.0}, -0.1});
   RenderStatistics statistics;
   const GBuffer fast = rendered(surface, camera, params, &statistics);
-  params.reference = true;
-  const GBuffer exact = rendered(surface, camera, params);
+  const GBuffer exact = referenceFrame(surface, camera, params);
   GBuffer traced;
   LightBuffer light;
   TraceParams tracing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lines/chains.h"
+#include "lines/lines.h"
 
 #include <gtest/gtest.h>
 

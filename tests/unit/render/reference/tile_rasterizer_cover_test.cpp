@@ -101,9 +101,8 @@ TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap)
   wall.cz[middle] = 0.035f;
   wall.radius[middle] = 1.2f;
   for (const bool reference : {false, true}) {
-    RenderParams params;
-    params.reference = reference;
-    const GBuffer buffer = rendered(wall, wallCamera(), params);
+    const GBuffer buffer =
+        reference ? referenceFrame(wall, wallCamera()) : rendered(wall, wallCamera());
     for (int x = 20; x <= 60; ++x) {
       const std::size_t pixel = buffer.index(x, 50);
       ASSERT_TRUE(buffer.covered(pixel)) << x;

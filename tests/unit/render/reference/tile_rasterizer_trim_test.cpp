@@ -48,11 +48,10 @@ TEST(TrimmedPicture, EndsAtTheBorderAndShowsWhatLiesBehind)
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = 0.6;
   RenderParams params;
-  params.reference = true;
   params.min_coverage = 0.05;
-  const GBuffer trimmed = rendered(surface, camera, params);
+  const GBuffer trimmed = referenceFrame(surface, camera, params);
   params.trim = false;
-  const GBuffer whole = rendered(surface, camera, params);
+  const GBuffer whole = referenceFrame(surface, camera, params);
   const double border = -0.25 / (kSide - 1);  // half a node before the middle
   std::size_t behind = 0;
   for (int y = 0; y < 120; ++y) {
@@ -74,11 +73,10 @@ TEST(TrimmedPicture, NothingIsDrawnWhereNothingLiesBehind)
   SLIMSurface surface = halfDiscs(3);
   surface.cz[0] = 5.0f;  // behind the camera
   RenderParams params;
-  params.reference = true;
   const Camera camera = frontCamera();
-  const std::size_t with = rendered(surface, camera, params).numCovered();
+  const std::size_t with = referenceFrame(surface, camera, params).numCovered();
   params.trim = false;
-  const std::size_t without = rendered(surface, camera, params).numCovered();
+  const std::size_t without = referenceFrame(surface, camera, params).numCovered();
   EXPECT_GT(with, without / 3);
   EXPECT_LT(with, 2 * without / 3);
 }
@@ -90,12 +88,12 @@ TEST(TrimmedPicture, RaysPassALeafWhereItHasNoDataWithoutABlend)
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = 0.6;
   for (const bool reference : {true, false}) {
+    const auto draw = reference ? referenceFrame : rendered;
     RenderParams params;
-    params.reference = reference;
     RenderStatistics trimmed, whole;
-    rendered(surface, camera, params, &trimmed);
+    draw(surface, camera, params, &trimmed);
     params.trim = false;
-    rendered(surface, camera, params, &whole);
+    draw(surface, camera, params, &whole);
     EXPECT_GT(trimmed.rays_blend, 0u);
     EXPECT_LE(trimmed.rays_blend, whole.rays_blend) << (reference ? "reference" : "fast");
   }

@@ -6,6 +6,7 @@
 #include "pcl_slim/render/shading.h"
 #include "pcl_slim/render/traced_picture.h"
 #include "pcl_slim/surface/surfel_color.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "unit/render/same_buffers.h"
 #include "unit/render/sphere_view.h"
 #include "unit/render/test_surfaces.h"
@@ -64,9 +65,9 @@ TEST(SurfaceColor, IsTheSurfacesOwnWhateverDrawsIt)
   RenderParams params;
   params.columns = kColorColumn;
   for (const bool reference : {false, true}) {
-    params.reference = reference;
+    const auto draw = reference ? lab::renderReference : renderSurface;
     GBuffer buffer;
-    ASSERT_FALSE(renderSurface(surface, frontCamera(), params, buffer));
+    ASSERT_FALSE(draw(surface, frontCamera(), params, buffer, nullptr));
     ASSERT_GT(buffer.numCovered(), 1000u);
     ASSERT_EQ(buffer.color.size(), buffer.numPixels());
     EXPECT_LT(worstColor(buffer), kRounding) << reference;

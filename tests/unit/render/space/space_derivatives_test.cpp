@@ -2,6 +2,7 @@
 // Equation (8), left against right, in pictures.
 #include <gtest/gtest.h>
 
+#include "support/lab/reference/partition_of_unity.h"
 #include "unit/render/sphere_view.h"
 
 namespace pcl_slim::test {
@@ -14,22 +15,21 @@ roughSphere(int degree)
   return sphereSurface(degree, kSphere, 600, 0.07);
 }
 
+/** \brief A frame with the derivatives of the surface's partition of unity. */
 GBuffer
-pictured(const SLIMSurface& surface, Derivatives derivatives, bool reference = false)
+inSpace(const SLIMSurface& surface, GBuffer frame)
 {
-  RenderParams params;
-  params.derivatives = derivatives;
-  params.reference = reference;
-  return rendered(surface, frontCamera(), params);
+  const Error error = lab::differentiateInSpace(surface, 0, frame);
+  EXPECT_FALSE(error) << error.message;
+  return frame;
 }
 
 TEST(SpaceDerivatives, BothSidesTellASphere)
 {
   const SLIMSurface surface = roughSphere(4);
-  const auto left =
-      compareWithSphere(pictured(surface, Derivatives::kBlended), frontCamera(), kSphere);
-  const auto right =
-      compareWithSphere(pictured(surface, Derivatives::kPartitionOfUnity), frontCamera(), kSphere);
+  const GBuffer frame = rendered(surface, frontCamera());
+  const auto left = compareWithSphere(frame, frontCamera(), kSphere);
+  const auto right = compareWithSphere(inSpace(surface, frame), frontCamera(), kSphere);
   EXPECT_EQ(left.covered, right.covered);
   EXPECT_LT(right.normal, 2e-3);
   EXPECT_LT(right.mean, 0.05);
@@ -39,8 +39,8 @@ TEST(SpaceDerivatives, OnlyTheRightSideHoldsTheWeights)
 {
   // Planes have no curvature of their own: what the right side shows is the weights' doing.
   const SLIMSurface planes = roughSphere(1);
-  const GBuffer left = pictured(planes, Derivatives::kBlended);
-  const GBuffer right = pictured(planes, Derivatives::kPartitionOfUnity);
+  const GBuffer left = rendered(planes, frontCamera());
+  const GBuffer right = inSpace(planes, left);
   const std::size_t middle = left.index(40, 30);
   ASSERT_TRUE(left.covered(middle));
   EXPECT_NEAR(left.mean_curvature[middle], 0.0, 1e-3);
@@ -52,8 +52,8 @@ TEST(SpaceDerivatives, OnlyTheRightSideHoldsTheWeights)
 TEST(SpaceDerivatives, TheReferenceHasThemAsWell)
 {
   const SLIMSurface surface = roughSphere(2);
-  const GBuffer fast = pictured(surface, Derivatives::kPartitionOfUnity);
-  const GBuffer slow = pictured(surface, Derivatives::kPartitionOfUnity, true);
+  const GBuffer fast = inSpace(surface, rendered(surface, frontCamera()));
+  const GBuffer slow = inSpace(surface, referenceFrame(surface, frontCamera()));
   const std::size_t middle = fast.index(40, 30);
   EXPECT_NEAR(fast.mean_curvature[middle], slow.mean_curvature[middle], 0.02);
 }
@@ -62,11 +62,8 @@ TEST(SpaceDerivatives, LeavesWithoutACommonSideAreRefused)
 {
   SLIMSurface surface = roughSphere(2);
   surface.info.oriented = false;
-  RenderParams params;
-  params.derivatives = Derivatives::kPartitionOfUnity;
-  GBuffer buffer;
-  EXPECT_EQ(renderSurface(surface, frontCamera(), params, buffer).code, ErrorCode::kBadArgument);
-  EXPECT_EQ(buffer.numPixels(), 0u);
+  GBuffer buffer = rendered(surface, frontCamera());
+  EXPECT_EQ(lab::differentiateInSpace(surface, 0, buffer).code, ErrorCode::kBadArgument);
 }
 
 TEST(Residuals, AreThoseOfTheLeaves)

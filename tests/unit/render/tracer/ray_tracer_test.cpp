@@ -55,11 +55,10 @@ void
 expectReference(const SLIMSurface& surface, const Camera& camera, VisibleSides sides)
 {
   RenderParams render;
-  render.reference = true;
   render.sides = sides;
   TraceParams trace;
   trace.sides = sides;
-  const FrameDifference d(traced(surface, camera, trace), rendered(surface, camera, render));
+  const FrameDifference d(traced(surface, camera, trace), referenceFrame(surface, camera, render));
   EXPECT_GT(d.both, 500u);
   EXPECT_EQ(d.coverage, 0u);
   EXPECT_TRUE(d.finite);
@@ -91,9 +90,7 @@ TEST_P(TracedSphere, EndsWhereTrimMapsDo)
   SLIMSurface surface = sphereSurface(GetParam(), kSphere, 600, 0.07);
   const std::size_t whole = rendered(surface, frontCamera()).numCovered();
   pcl_slim_test::setRandomTrimMaps(surface);
-  RenderParams render;
-  render.reference = true;
-  const GBuffer reference = rendered(surface, frontCamera(), render);
+  const GBuffer reference = referenceFrame(surface, frontCamera());
   TraceParams trace;
   trace.close_gaps = false;  // the reference closes none
   const FrameDifference d(traced(surface, frontCamera(), trace), reference);

@@ -7,6 +7,7 @@
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "support/lab/reference/reference_renderer.h"
 #include "traced_scenes.h"
 #include "unit/render/sphere_view.h"
 
@@ -64,17 +65,15 @@ TEST(TracedGaps, RasterisersCloseThemWhereAsked)
   Camera camera = frontCamera(100, 100);
   camera.fov = 10.0;
   const std::size_t open = openPixels(surface, camera, false);
-  SurfaceRenderer renderer(surface);
-  for (const bool reference : {false, true}) {
+  for (const auto draw : {renderSurface, lab::renderReference}) {
     RenderParams params;
-    params.reference = reference;
     GBuffer buffer;
     RenderStatistics counts;
-    ASSERT_FALSE(renderer.render(camera, params, buffer, &counts));
+    ASSERT_FALSE(draw(surface, camera, params, buffer, &counts));
     EXPECT_EQ(buffer.numPixels() - buffer.numCovered(), open);
     EXPECT_EQ(counts.closed_pixels, 0u);
     params.close_gaps = true;
-    ASSERT_FALSE(renderer.render(camera, params, buffer, &counts));
+    ASSERT_FALSE(draw(surface, camera, params, buffer, &counts));
     EXPECT_EQ(buffer.numCovered(), buffer.numPixels());
     EXPECT_EQ(counts.closed_pixels, open);
     EXPECT_EQ(counts.covered_pixels, buffer.numPixels());

@@ -18,12 +18,6 @@ enum class VisibleSides : unsigned char {
   kBoth,   ///< either side; derivatives are turned to the viewer leaf by leaf
 };
 
-/** \brief Which derivatives a frame's normals and curvatures are made of (equation 8). */
-enum class Derivatives : unsigned char {
-  kBlended,           ///< its left side: those of the leaves, blended with their weights
-  kPartitionOfUnity,  ///< its right side: those of the leaves' weighted mean, weights included
-};
-
 /** \brief A half space: points x with dot(normal, x) >= offset, world coordinates. */
 struct HalfSpace {
   std::array<double, 3> normal{0.0, 0.0, 1.0};  ///< any length but 0
@@ -41,10 +35,6 @@ struct PCL_SLIM_EXPORT RenderParams {
   double lod = 0.0;         ///< surfels of this projected diameter in pixels, or an error of a
                             ///< sixteenth, replace their descendants; 0: every leaf is drawn
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
-  bool reference = false;          ///< the rasteriser in double, leaf by leaf and ray by ray: slow
-  /** Of normals, gradients, Hessians and curvatures. Where rays meet the surface stays the same.
-   * The right side is evaluated in double, leaf by leaf: microseconds a pixel. */
-  Derivatives derivatives = Derivatives::kBlended;
   /** Rays that slip between shrunk balls where most pixels about theirs meet the surface are traced again, as
    * with TraceParams::close_gaps. A frame with lod, cuts, shrink, min_coverage or without trim has open gaps. */
   bool close_gaps = false;

@@ -26,8 +26,8 @@ namespace pcl_slim {
  *
  * An index over the leaves is built once, so that a frame costs what its camera sees. Frames are
  * drawn in single precision with coordinates of each leaf's own, in blocks of 4 x 4 pixels as
- * vector lanes; RenderParams::reference draws in double instead. With RenderParams::lod a surfel
- * whose ball is seen below that size replaces its descendants and fades in over half an octave.
+ * vector lanes. With RenderParams::lod a surfel whose ball is seen below that size replaces its
+ * descendants and fades in over half an octave.
  *
  * A frame is the same for any number of threads, and with skipping on or off. One frame at a time.
  */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fast/setup/leaf_clusters.h"
+#include "fast/setup/leaf_setup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,7 @@
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
-#include "tiles/frame_rules.h"
-#include "tiles/surfel_bins.h"
+#include "tiles/tiles.h"
 
 namespace pcl_slim::detail {
 namespace {

@@ -26,15 +26,13 @@ struct PageParams {
 
 /** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
  *
- * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and
- * read positions, normals and curvatures. camera.size sets the shape of the still picture that is
- * shown where WebGL 2 is missing. Cuts and partition-of-unity derivatives are refused.
- * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 70 KB. The
- * same for every run. */
-PCL_SLIM_EXPORT Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
-                                               const RenderParams& rendering,
-                                               const ShadingParams& shading,
-                                               const PageParams& params);
+ * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and read
+ * positions, normals and curvatures. camera.size sets the shape of the still picture that is
+ * shown where WebGL 2 is missing. Cuts are refused.
+ * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 70 KB. The same for every run. */
+PCL_SLIM_EXPORT Result<std::string>
+encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
+           const ShadingParams& shading, const PageParams& params);
 
 /** \brief The same for coloured discs, some 15 bytes each; params.precision means nothing. */
 PCL_SLIM_EXPORT Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,

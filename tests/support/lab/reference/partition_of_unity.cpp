@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The right side of the paper's equation (8): theory.md, "Curvature".
-#include "pcl_slim/query/partition_of_unity.h"
+#include "support/lab/reference/partition_of_unity.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/center_grid.h"
+#include "projection/projection.h"
 
-namespace pcl_slim {
+namespace pcl_slim::lab {
 
 using namespace detail;
 
@@ -156,4 +158,56 @@ PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) con
   return true;
 }
 
-}  // namespace pcl_slim
+namespace {
+
+void
+writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer& buffer)
+{
+  const auto [mean, gaussian] = meanAndGaussian(jet.gradient, norm, jet.hessian);
+  const float spread = std::sqrt(std::max(0.0f, mean * mean - gaussian));
+  buffer.mean_curvature[pixel] = mean;
+  buffer.gaussian_curvature[pixel] = gaussian;
+  buffer.principal[pixel] = {mean + spread, mean - spread};
+}
+
+void
+writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer)
+{
+  const double norm = length(jet.gradient);
+  if (!(norm > 0.0)) return;
+  if (buffer.back_face[pixel]) {
+    // Both sides are shown and this is the inner one: derivatives face the viewer.
+    for (double& value : jet.gradient) value = -value;
+    for (double& value : jet.hessian) value = -value;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    buffer.normal[pixel][k] = static_cast<float>(jet.gradient[k] / norm);
+    if (!buffer.gradient.empty()) buffer.gradient[pixel][k] = static_cast<float>(jet.gradient[k]);
+  }
+  for (std::size_t k = 0; k < 6 && !buffer.hessian.empty(); ++k) {
+    buffer.hessian[pixel][k] = static_cast<float>(jet.hessian[k]);
+  }
+  if (!buffer.mean_curvature.empty()) writeCurvatures(jet, norm, pixel, buffer);
+}
+
+}  // namespace
+
+Error
+differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer)
+{
+  if (!surface.info.oriented) {
+    return {ErrorCode::kBadArgument,
+            "leaves that differ in orientation have no partition of unity; fit the surface with "
+            "normals or take blended derivatives"};
+  }
+  const PartitionOfUnity unity(surface);
+  parallelFor(buffer.numPixels(), resolveThreads(threads), 256, [&](std::size_t pixel, int) {
+    if (!buffer.covered(pixel)) return;
+    const auto& q = buffer.position[pixel];
+    ImplicitJet jet;
+    if (unity.evaluate({q[0], q[1], q[2]}, jet)) writePixel(jet, pixel, buffer);
+  });
+  return {};
+}
+
+}  // namespace pcl_slim::lab

@@ -4,11 +4,12 @@
 #include <array>
 #include <memory>
 
-#include "pcl_slim/core/export.h"
+#include "pcl_slim/core/error.h"
 #include "pcl_slim/core/symmetric.h"
+#include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/surface/surface.h"
 
-namespace pcl_slim {
+namespace pcl_slim::lab {
 
 /** \brief Value, gradient and Hessian of a function at a point. */
 struct ImplicitJet {
@@ -24,7 +25,7 @@ struct ImplicitJet {
  * wiggles that blending derivatives along a ray (projectPoints) does not. Plain double code, a
  * reference and not meant for speed. Leaves must agree in orientation.
  */
-class PCL_SLIM_EXPORT PartitionOfUnity {
+class PartitionOfUnity {
  public:
   /** \brief The surface must outlive this object. O(M log M). */
   explicit PartitionOfUnity(const SLIMSurface& surface);
@@ -42,4 +43,10 @@ class PCL_SLIM_EXPORT PartitionOfUnity {
   std::unique_ptr<Index> index_;
 };
 
-}  // namespace pcl_slim
+/** \brief Puts the derivatives of a surface's partition of unity (eq. 8, right) at a frame's positions in place
+ * of the blended ones: normals, and gradients, Hessians and curvatures where the buffer has them. Refused for
+ * leaves that differ in orientation. \param[in,out] buffer with positions. O(covered pixels * leaves near each). */
+Error
+differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer);
+
+}  // namespace pcl_slim::lab

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/ray_tracer.h"
+#include "pcl_slim/render/render_params.h"
+#include "pcl_slim/surface/surface.h"
 #include "rays/ray_scene.h"
 
 namespace pcl_slim::detail {
@@ -66,5 +72,26 @@ tracedLeaves(const SLIMSurface& surface, int threads);
 /** \brief Valid discs under their tree. O(discs log discs). */
 std::unique_ptr<TracedObject>
 tracedDiscs(const SplatSet& splats, int threads);
+
+/** \brief Whether rays of a rasterised frame are met by the tracer's rules, so that its gaps may be closed. */
+bool
+closesGaps(const RenderParams& params);
+
+/** \brief Fills pixels of a rasterised frame whose rays slipped between shrunk balls: those that met nothing
+ * although pixels about them did are traced with TraceParams::close_gaps. */
+class GapCloser {
+ public:
+  /** \brief The surface, a valid one, must outlive this object. */
+  explicit GapCloser(const SLIMSurface& surface) : surface_(surface) {}
+
+  /** \brief \param[in,out] buffer a frame by these parameters; the surface's tree is built for the first one
+   * that has such pixels. \return pixels filled. O(pixels + traced rays). */
+  std::uint64_t close(const Camera& camera, const RenderParams& params, int threads,
+                      GBuffer& buffer);
+
+ private:
+  const SLIMSurface& surface_;
+  std::unique_ptr<TracedObject> leaves_;
+};
 
 }  // namespace pcl_slim::detail

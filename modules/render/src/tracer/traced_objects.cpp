@@ -1,13 +1,97 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "discs/disc_blend.h"
 #include "pcl_slim/core/parallel.h"
-#include "tracer/traced_object.h"
+#include "tiles/tiles.h"
+#include "tracer/tracer.h"
 
 namespace pcl_slim::detail {
+namespace {
+
+bool
+frontOnly(VisibleSides sides, bool oriented)
+{
+  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && oriented);
+}
+
+class TracedLeaves : public TracedObject {
+ public:
+  TracedLeaves(const SLIMSurface& surface, int threads) : scene_(surface, threads)
+  {
+    origin = surface.info.origin;
+    scale = surface.info.scale;
+    diagonal = surface.info.diagonal;
+    size = surface.numLeaves();
+    rules_.min_coverage = surface.info.cover_threshold;
+  }
+
+  void trace(const TraceView& view, const BoundedRay* rays, std::size_t count, MetPoint* met,
+             GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
+  {
+    RayRules rules = rules_;
+    const bool closed = scene_.surface.info.hasFront() && view.params.cuts.empty();
+    rules.front_only = frontOnly(view.params.sides, closed);
+    rules.close_gaps = view.params.close_gaps;
+    rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
+    std::vector<BlendedHit> hits(count);
+    kernels::traceHits(scene_, rules, rays, count, hits.data(), counts);
+    for (std::size_t i = 0; i < count; ++i) {
+      met[i] = pointOf(hits[i]);
+      if (!buffer || !met[i].met()) continue;
+      writeBlend(scene_.surface, rays[i].ray, hits[i].depth_hat, hits[i].sum, pixels[i], *buffer);
+      if (!buffer->residual.empty()) {
+        buffer->residual[pixels[i]] = scene_.surface.error[met[i].id];
+      }
+    }
+  }
+
+  void block(const BoundedRay* rays, std::size_t count, bool close_gaps, std::uint8_t* blocked,
+             RayCounts& counts) const override
+  {
+    RayRules rules = rules_;
+    rules.close_gaps = close_gaps;
+    kernels::traceBlocked(scene_, rules, rays, count, blocked, counts);
+  }
+
+  Departure departure(const MetPoint& point) const override
+  {
+    const double r = scene_.surface.radius[point.id], error = scene_.surface.error[point.id];
+    // Leaves that blend at a point are apart by about their residuals, and by a small share of
+    // their radii where the data are clean.
+    const double lift = std::min(0.1 * r, 2.0 * error + 0.005 * r);
+    if (!scene_.surface.info.hasFront()) return {lift, 0.0, 0.0, r};
+    return point.back ? Departure{lift, r, 0.0, r} : Departure{lift, 0.0, r, r};
+  }
+
+ private:
+  static MetPoint pointOf(const BlendedHit& hit)
+  {
+    MetPoint point;
+    if (!hit.met()) return point;
+    point.id = hit.sum.surfel;
+    point.back = hit.sum.facing < 0;
+    point.depth = hit.depth_hat + hit.sum.shift / hit.sum.weight;
+    point.normal = normalized({hit.sum.gradient[0], hit.sum.gradient[1], hit.sum.gradient[2]});
+    return point;
+  }
+
+  RayScene scene_;
+  RayRules rules_;
+};
+
+}  // namespace
+
+std::unique_ptr<TracedObject>
+tracedLeaves(const SLIMSurface& surface, int threads)
+{
+  return std::make_unique<TracedLeaves>(surface, threads);
+}
+
 namespace {
 
 /** Pixels beyond its rim within which a disc may be met: half a diagonal aside, and along a ray that
@@ -216,6 +300,97 @@ std::unique_ptr<TracedObject>
 tracedDiscs(const SplatSet& splats, int threads)
 {
   return std::make_unique<TracedDiscs>(splats, threads);
+}
+
+namespace {
+
+constexpr int kGapReach = 8;         ///< pixels from a gap's rim inwards that one pass closes
+constexpr int kLeastCovered = 6;  ///< of the eight directions from a pixel in a gap
+
+/** Whether most directions from a pixel soon lead to one that met something. */
+bool
+isEnclosed(const GBuffer& buffer, int x, int y)
+{
+  int covered = 0, looked = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (dx == 0 && dy == 0) continue;
+      bool met = false;
+      for (int k = 1; k <= kGapReach && !met; ++k) {
+        const int px = x + k * dx, py = y + k * dy;
+        if (px < 0 || py < 0 || px >= buffer.width || py >= buffer.height) break;
+        met = buffer.covered(buffer.index(px, py));
+      }
+      covered += met ? 1 : 0;
+      if (++looked - covered > 8 - kLeastCovered) return false;
+    }
+  }
+  return true;
+}
+
+using Rows = std::vector<std::vector<int>>;  ///< columns of pixels, row by row
+
+/** Pixels not tried yet that met nothing within what did; they count as tried from now on. */
+Rows
+enclosedPixels(const GBuffer& buffer, int threads, std::vector<std::uint8_t>& tried)
+{
+  Rows rows(static_cast<std::size_t>(buffer.height));
+  parallelFor(rows.size(), threads, 16, [&](std::size_t y, int) {
+    for (int x = 0; x < buffer.width; ++x) {
+      const int row = static_cast<int>(y);
+      const std::size_t pixel = buffer.index(x, row);
+      if (tried[pixel] || buffer.covered(pixel) || !isEnclosed(buffer, x, row)) continue;
+      tried[pixel] = 1;
+      rows[y].push_back(x);
+    }
+  });
+  return rows;
+}
+
+}  // namespace
+
+bool
+closesGaps(const RenderParams& params)
+{
+  return params.close_gaps && params.lod == 0.0 && params.cuts.empty() && params.shrink == 0.0 &&
+         params.min_coverage < 0.0 && params.trim;
+}
+
+std::uint64_t
+GapCloser::close(const Camera& camera, const RenderParams& params, int threads, GBuffer& buffer)
+{
+  const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
+  TraceParams tracing;
+  tracing.sides = params.sides;
+  tracing.columns = params.columns;
+  const TraceView view{tracing, &rays};
+  std::vector<std::uint8_t> tried(buffer.numPixels(), 0);
+  std::uint64_t all = 0;
+  for (;;) {  // from the rims of wide gaps inwards
+    const Rows rows = enclosedPixels(buffer, threads, tried);
+    if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.empty(); })) break;
+    if (!leaves_) leaves_ = tracedLeaves(surface_, threads);
+    std::atomic<std::uint64_t> filled{0};
+    parallelFor(rows.size(), threads, 4, [&](std::size_t y, int) {
+      std::vector<BoundedRay> bounded;
+      std::vector<std::size_t> pixels;
+      for (const int x : rows[y]) {
+        bounded.emplace_back();
+        bounded.back().ray = rays.ray(x, static_cast<int>(y));
+        bounded.back().nearest = params.near_plane / surface_.info.scale;
+        pixels.push_back(buffer.index(x, static_cast<int>(y)));
+      }
+      std::vector<MetPoint> met(bounded.size());
+      RayCounts counts;
+      leaves_->trace(view, bounded.data(), bounded.size(), met.data(), &buffer, pixels.data(),
+                     counts);
+      filled += static_cast<std::uint64_t>(
+          std::count_if(met.begin(), met.end(), [](const MetPoint& p) { return p.met(); }));
+    });
+    if (filled == 0) break;
+    all += filled;
+  }
+  return all;
 }
 
 }  // namespace pcl_slim::detail
