@@ -79,11 +79,6 @@ class LeafRegion {
   std::vector<BlockLeaf> leaves_;
 };
 
-}  // namespace pcl_slim::detail
-
-// What a probe finds at sixteen places side by side.
-namespace pcl_slim::detail {
-
 /** Squared distance from a place to a box. */
 double
 distanceSq(const Vector3& p, const Vector3& low, const Vector3& high)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The balls of an object, and the view of it that a picture shows if none is given.
 #include "pcl_slim/render/auto_view.h"
 
 #include <algorithm>

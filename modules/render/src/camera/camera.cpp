@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Cameras that frame an object: its bulk without strays, perspective and parallel fits, and turns about an axis.
 #include "pcl_slim/render/camera.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Rays of a camera, where balls land in its picture, and which blocks of a surface it needs.
 #include "camera/camera_rays.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Discs on rays, and frames of them in tiles.
 #include "pcl_slim/render/disc_rasterizer.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Frames in single precision: surfels too near for records, clusters, tiles.
 #include "fast/fast_rasterizer.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Lines of space seen by a camera, and lines drawn into a picture.
 #include <algorithm>
 #include <cmath>
 
@@ -103,8 +104,6 @@ projectLines(const std::vector<SpaceLine>& lines, const GBuffer& buffer, const C
   for (const SpaceLine& line : lines) appendVisible(line, view, seen);
   return seen;
 }
-
-using namespace detail;
 
 namespace {
 

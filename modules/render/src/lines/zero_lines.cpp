@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Zeros of a field over the pixels as lines: geometry of a frame, links joined into chains, marching squares.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A surface's leaves in blocks under a tree with eight children a node.
 #include "rays/ray_scene.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A frame's colours: of the surface itself, by light and shade; and pictures averaged over shifted frames.
 #include "pcl_slim/render/shading.h"
 
 #include <algorithm>

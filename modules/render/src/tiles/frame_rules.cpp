@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What a frame's parameters mean for a surface, its buffer, and tiles of what may be seen.
 #include <algorithm>
 #include <cmath>
 #include <limits>

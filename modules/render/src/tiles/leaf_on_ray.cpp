@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One leaf on one ray in double, and what a blend of leaves writes into a pixel.
 #include "tiles/tiles.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Frames of traced rays: parameters, batches of rays in tiles, rays of no camera.
 #include "pcl_slim/render/ray_tracer.h"
 
 #include <algorithm>

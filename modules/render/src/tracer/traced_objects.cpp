@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What rays meet: leaves of a surface, discs; and gaps of rasterised frames closed by such rays.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
