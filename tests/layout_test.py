@@ -38,10 +38,15 @@ ARROWS = {
     "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),
+    "lab": MODULES,
+    "comparison": MODULES + ("filters", "apps", "lab"),
+    "demo_scan": MODULES + ("filters", "apps"),
     "examples": MODULES + ("filters", "visualization"),
-    "benchmarks": MODULES + ("filters", "visualization", "apps", "tests"),  # tests: support/lab
-    "tests": MODULES + ("filters", "visualization", "apps"),
+    "benchmarks": MODULES + ("filters", "visualization", "apps", "lab", "comparison"),
+    "tests": MODULES + ("filters", "visualization", "apps", "lab", "comparison"),
 }
+# Folders that are rooms of their own in one that may include other things.
+OWN_ROOMS = ("tests/support/lab/", "benchmarks/comparison/", "examples/demo_scan/")
 
 
 def sources(root):
@@ -54,8 +59,10 @@ def sources(root):
 
 
 def room_of(path):
-    """modules/fit/src/ball/x.h -> fit; apps/common/x.h -> apps."""
+    """modules/fit/src/ball/x.h -> fit; apps/common/x.h -> apps; tests/support/lab/x.h -> lab."""
     parts = path.split("/")
+    if path.startswith(OWN_ROOMS):
+        return parts[-2]
     return parts[1] if parts[0] == "modules" else parts[0]
 
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "measure/scenes.h"
+#include "lab/scenes.h"
 
 /** \brief Points of closed bodies, which have no border anywhere. Scene units. */
 namespace pcl_slim::measure {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/line_truth.h"
+#include "lab/line_truth.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::curvature {

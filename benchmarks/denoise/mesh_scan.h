@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/vector3.h"
 

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 #include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::measure {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "measure/scenes.h"
+#include "lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::measure {

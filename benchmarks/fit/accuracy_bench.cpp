@@ -6,10 +6,8 @@
 
 #include "common/run_program.h"
 #include "fit/accuracy.h"
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
-#include "measure/vectors.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 
 namespace {
 

@@ -6,10 +6,8 @@
 
 #include "common/run_program.h"
 #include "fit/nanoflann_unit.h"
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
-#include "measure/vectors.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/fit/fit.h"
 

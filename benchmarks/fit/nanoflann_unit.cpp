@@ -5,9 +5,8 @@
 #include <nanoflann.hpp>
 
 #include "fit/float_cloud.h"
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 
 namespace pcl_slim::measure {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measure/clocks.h"
+#include "lab/bench.h"
 
 namespace pcl_slim::measure {
 

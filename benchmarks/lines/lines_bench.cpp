@@ -7,9 +7,8 @@
 
 #include "common/options.h"
 #include "line_run.h"
-#include "measure/line_truth.h"
-#include "measure/lists.h"
-#include "measure/vectors.h"
+#include "lab/line_truth.h"
+#include "lab/bench.h"
 #include "pcl_slim/features/crest_lines.h"
 
 namespace {

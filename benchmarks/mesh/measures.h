@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 #include "mesh/bench_mesh.h"
 
 namespace pcl_slim::mesh_bench {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 #include "paper/study.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/mesh/mesh_extraction.h"

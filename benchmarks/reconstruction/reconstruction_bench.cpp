@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "common/options.h"
-#include "measure/clocks.h"
-#include "measure/mesh_error.h"
-#include "measure/scenes.h"
-#include "measure/vectors.h"
+#include "lab/bench.h"
+#include "lab/mesh_error.h"
+#include "lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "reconstruction/rivals.h"

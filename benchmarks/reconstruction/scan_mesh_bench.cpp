@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 #include "borders/drawn_area.h"
 #include "common/options.h"
-#include "measure/clocks.h"
+#include "lab/bench.h"
 #include "mesh/bench_mesh.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"

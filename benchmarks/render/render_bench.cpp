@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "measure/clocks.h"
-#include "measure/vectors.h"
+#include "lab/bench.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"

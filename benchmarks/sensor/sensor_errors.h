@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fit/accuracy.h"
-#include "measure/sensor/sensor_scan.h"
+#include "lab/sensor.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::measure {

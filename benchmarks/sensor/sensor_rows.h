@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/sensor/sensor_scan.h"
+#include "lab/sensor.h"
 
 namespace pcl_slim::measure {
 

@@ -22,10 +22,8 @@
 #include <vector>
 
 #include "common/run_program.h"
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
-#include "measure/vectors.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/splat_sampling.h"
 

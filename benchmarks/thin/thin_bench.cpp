@@ -7,7 +7,7 @@
 
 #include "common/run_program.h"
 #include "fit/smoothed_points.h"
-#include "measure/lists.h"
+#include "lab/bench.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"
 #include "thin/thin_scenes.h"

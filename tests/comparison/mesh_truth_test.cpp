@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 #include "support/temporary_folder.h"
 #include "sweep.h"
 

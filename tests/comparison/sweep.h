@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/tables.h"
+#include "comparison/tables.h"
 
 namespace pcl_slim_test {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "measure/sensor/solids.h"
+#include "lab/sensor.h"
 
 /** \brief A street as a lidar on a car scans it while the car drives round a corner. Metres, seconds. */
 namespace pcl_slim_test {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "measure/sensor/sensor_scan.h"
-#include "pcl_slim/cloud/detail/noise.h"
+#include "lab/sensor.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "support/clouds.h"
 

@@ -8,9 +8,9 @@
 #include <random>
 #include <set>
 
-#include "measure/sensor/sensor_scan.h"
-#include "noise/patch.h"
-#include "pcl_slim/cloud/detail/noise.h"
+#include "lab/sensor.h"
+#include "noise/patch_scale.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
 

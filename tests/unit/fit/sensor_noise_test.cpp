@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "measure/sensor/sensor_scan.h"
+#include "lab/sensor.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "measure/mesh_error.h"
+#include "lab/mesh_error.h"
 #include "support/clouds.h"
 #include "support/sphere_surface.h"
 

@@ -1,14 +1,62 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "benchmark/plan.h"
-
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <sstream>
+#include <string>
+#include <vector>
 
-#include "measure/lists.h"
-#include "measure/vectors.h"
+#include "comparison/tables.h"
+#include "comparison/treat.h"
+#include "common/options.h"
+#include "common/program.h"
+#include "common/progress_bar.h"
+#include "common/report.h"
+#include "lab/bench.h"
+
+// pcl_slim_benchmark: time against error, SLIM compared with PCL's own classes.
 
 namespace pcl_slim::comparison {
+
+/** \brief What pcl_slim_benchmark measures: scenes, and the ways each is treated. */
+class Plan {
+ public:
+  /** \brief Adds the options; the plan must outlive the table's parse(). */
+  void declareOptions(OptionTable& options);
+
+  /** \brief Reads the lists given. \return the first mistake, with its remedy. */
+  Error finishOptions(const OptionTable& options);
+
+  /** \brief Makes or loads one scene after the other and hands it over, until an error. */
+  Error forEachScene(const std::function<Error(const Scene&)>& treat) const;
+
+  /** \brief Every way to treat a scene. */
+  std::vector<Setting> settingsFor(const Scene& scene) const;
+
+  int repeats() const { return repeats_; }
+
+ private:
+  void addSlim(const Scene& scene, std::vector<Setting>& settings) const;
+  Error finishFiles();
+
+  std::string shapes_ = "sphere,torus,bumpy,relief,cube", noises_ = "0,0.001,0.005,0.01";
+  std::string points_ = "100000", degrees_ = "1,2,3,4", kappas_ = "0,1,8";
+  std::string t_mdls_ = "0.003,0.01", orders_ = "1,2,3", neighbours_ = "30,60,100,200,400";
+  std::string methods_ = "slim,mls,normals", normals_ = "both", normal_neighbours_ = "20,50,100";
+  std::string input_, truth_, pairs_, vectors_ = "best";
+  bool sharp_ = true, robust_ = false, compact_ = false, data_ = false;
+  int threads_ = 2, repeats_ = 3;
+
+  struct FilePair {
+    std::string name, input, truth;
+  };
+  std::vector<std::string> shape_list_, method_list_;
+  std::vector<double> noise_list_, point_list_, degree_list_, kappa_list_, t_mdl_list_;
+  std::vector<double> order_list_, neighbour_list_, normal_neighbour_list_;
+  std::vector<FilePair> files_;
+};
 
 namespace {
 
@@ -222,3 +270,115 @@ Plan::settingsFor(const Scene& scene) const
 }
 
 }  // namespace pcl_slim::comparison
+
+namespace {
+
+using namespace pcl_slim;
+using comparison::Run;
+using comparison::Scene;
+using comparison::SceneRuns;
+
+struct Settings {
+  std::string prefix;
+  comparison::Plan plan;
+  bool chart = true, quiet = false;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("pcl_slim_benchmark", PCL_SLIM_VERSION,
+                      "Measures time against error: SLIM beside pcl::MovingLeastSquares and "
+                      "pcl::NormalEstimationOMP.");
+  options.positional("OUT_PREFIX", &s.prefix,
+                     "writes OUT_PREFIX.csv, OUT_PREFIX.md, OUT_PREFIX.png");
+  s.plan.declareOptions(options);
+  options.toggle("chart", &s.chart, "draw OUT_PREFIX.png; needs an X server, as xvfb-run -a gives");
+  options.toggle("quiet", &s.quiet, "say nothing but errors");
+  return options;
+}
+
+std::string
+outcomeText(const Run& run, std::size_t points)
+{
+  char text[128];
+  std::snprintf(text, sizeof(text), "%.3g us/pt CPU", 1e6 * run.cpu / static_cast<double>(points));
+  std::string all = text;
+  const auto add = [&](const char* form, double value) {
+    if (!std::isfinite(value)) return;
+    std::snprintf(text, sizeof(text), form, value);
+    all += text;
+  };
+  add(", RMS %.3g", run.errors.position);
+  add(", normals %.3g deg", run.errors.normal);
+  return all;
+}
+
+Error
+treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<SceneRuns>& all)
+{
+  SceneRuns measured;
+  measured.name = scene.name;
+  measured.noise = scene.noise;
+  measured.points = scene.size();
+  measured.mean_edges = scene.unit_is_edge;
+  measured.input = inputErrors(scene);
+  for (std::size_t i = 0; i < scene.size(); ++i) measured.judged += scene.isJudged(i);
+  for (const comparison::Setting& setting : s.plan.settingsFor(scene)) {
+    if (console.interrupted()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+    console.begin(measured.title() + ": " + methodName(setting.method) + " " + setting.text() +
+                  (setting.normals ? ", normals given" : ""));
+    const Result<Run> run = runSetting(scene, setting, s.plan.repeats());
+    if (!run) return console.failed(run.error());
+    console.done(outcomeText(*run, scene.size()));
+    measured.runs.push_back(*run);
+  }
+  all.push_back(std::move(measured));
+  return {};
+}
+
+int
+runSweeps(const Settings& s, const OptionTable& options, const std::string& command)
+{
+  Console console(s.quiet);
+  std::vector<SceneRuns> scenes;
+  bool loaded = false;
+  Error error = s.plan.forEachScene([&](const Scene& scene) {
+    loaded = true;
+    return treatScene(s, scene, console, scenes);
+  });
+  if (error && !loaded) return fail(options.program(), kExitUsage, error.message);
+  if (error) return failWork(options.program(), error);
+  error =
+      comparison::writeTables(s.prefix, csvText(scenes), markdownText(scenes, command), console);
+  if (error) return fail(options.program(), kExitFailed, error.message);
+  if (!s.chart) return kExitDone;
+  error = drawChart(scenes, s.prefix + ".png");
+  console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
+  return kExitDone;
+}
+
+int
+run(int argc, char** argv)
+{
+  Settings s;
+  OptionTable options = declareOptions(s);
+  if (const auto status = options.parse(argc, argv)) return *status;
+  if (Error error = s.plan.finishOptions(options)) {
+    return fail(options.program(), kExitUsage, error.message);
+  }
+  if (const Error error = comparison::checkTables(s.prefix)) {
+    return fail(options.program(), kExitFailed, error.message);
+  }
+  return runSweeps(s, options, commandLine(argc, argv));
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  pcl_slim::measure::keepFreedMemory();
+  return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
+                           [&] { return run(argc, argv); });
+}

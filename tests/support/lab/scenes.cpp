@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measure/scenes.h"
+#include "lab/scenes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
-/** \brief Time and memory of the process, for programs that measure. */
+#include "pcl_slim/core/error.h"
+
+/** \brief What programs that measure share: time and memory of the process, lists on the command line,
+ * the choice of an instruction set. */
 namespace pcl_slim::measure {
 
 /** \brief User and system time of this process so far, all threads. */
@@ -36,5 +40,27 @@ class MemoryGauge {
  * Call before anything is timed. */
 void
 keepFreedMemory();
+
+/** \brief An option that takes several values, "1,2,4": one row is measured for each. */
+struct ListOption {
+  const char* name;
+  const std::string* text;
+  double low, high;  ///< allowed values, both included
+  bool whole;        ///< no fractions
+  std::vector<double>* values;
+};
+
+/** \brief Parses every list. \return the first mistake, naming option and remedy. */
+Error
+parseLists(const std::vector<ListOption>& options);
+
+/** \brief Parses "sphere,torus". \return the first name that is none. */
+Error
+parseShapes(const std::string& text, std::vector<std::string>& names);
+
+/** \brief Limits all kernels to one instruction set, such as "AVX2"; "best" lifts no limit.
+ * \return an error that names those of this processor, if it is none of them. */
+Error
+chooseVectors(const std::string& name);
 
 }  // namespace pcl_slim::measure

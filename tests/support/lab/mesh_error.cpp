@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measure/mesh_error.h"
+#include "lab/mesh_error.h"
 
 #include <algorithm>
 #include <cmath>

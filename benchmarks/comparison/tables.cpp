@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "benchmark/tables.h"
+#include "comparison/tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "benchmark/mesh_surface.h"
+#include "comparison/mesh_surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/treat.h"
+#include "comparison/treat.h"
 #include "common/progress_bar.h"
+#include "pcl_slim/core/error.h"
 
 namespace pcl_slim::comparison {
 
@@ -91,5 +92,14 @@ checkTables(const std::string& prefix);
 Error
 writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
             Console& console);
+
+/** \brief Draws CPU time per point against RMS position error, both logarithmic, a panel a scene,
+ * into a PNG file.
+ *
+ * \return an error where the chart cannot be drawn: no X server (VTK draws through one even off
+ * the screen), a build without VTK's charts, nothing to draw, or a file that cannot be written.
+ */
+Error
+drawChart(const std::vector<SceneRuns>& scenes, const std::string& path);
 
 }  // namespace pcl_slim::comparison

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "benchmark/treat.h"
+#include "comparison/treat.h"
 
 #include <pcl/features/normal_3d_omp.h>
 #include <pcl/search/kdtree.h>
@@ -8,9 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
+#include "lab/bench.h"
+#include "lab/scenes.h"
 #include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::comparison {

@@ -22,7 +22,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "benchmark/chart.h"
+#include "comparison/tables.h"
 
 namespace pcl_slim::comparison {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/scene.h"
+#include "comparison/scene.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/fit/fit.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "benchmark/chart.h"
+#include "comparison/tables.h"
 
 namespace pcl_slim::comparison {
 
