@@ -2,9 +2,10 @@
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"

@@ -2,6 +2,7 @@
 // pcl_slim_lines: traces the ridges and ravines of a scan's SLIM surface.
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 

@@ -2,14 +2,13 @@
 // pcl_slim_render: pictures and pages of a SLIM surface or of splats, without a window system.
 #include <cstdio>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
 #include "page/page_request.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"

@@ -2,6 +2,7 @@
 // pcl_slim_sample: spreads points evenly over a scan's SLIM surface.
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"

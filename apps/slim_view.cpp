@@ -5,8 +5,6 @@
 
 #include "common/options.h"
 #include "common/program.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"

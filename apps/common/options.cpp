@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The list of options and its uses: help, documentation, and the option that an
-// unknown one resembles.
 #include "common/options.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <sstream>
 
-#include "common/number_list.h"
+// The list of options and its uses: help, documentation, and the option that an unknown one resembles. Then the
+// command line into the options' targets.
 
 namespace pcl_slim {
 
@@ -259,6 +261,248 @@ OptionTable::markdown() const
             escaped(o.default_text) + " | " + escaped(o.help) + " |\n";
   }
   return text;
+}
+
+namespace {
+
+template <typename T>
+bool
+parseWhole(const std::string& text, T& value)
+{
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+bool
+parseNumber(const std::string& text, double& value)
+{
+  return parseWhole(text, value) && std::isfinite(value);
+}
+
+std::size_t
+countParts(const std::string& text)
+{
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
+}
+
+bool
+parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values)
+{
+  std::vector<double> parsed;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    double value = 0.0;
+    if (!parseNumber(text.substr(begin, end - begin), value)) return false;
+    parsed.push_back(value);
+    begin = end + 1;
+  }
+  if (parsed.size() != count) return false;
+  values = parsed;
+  return true;
+}
+
+std::string
+rangeText(double low, double high)
+{
+  if (high >= 1e18) return low > -1e18 ? " of at least " + numberText(low) : std::string();
+  return " from " + numberText(low) + " to " + numberText(high);
+}
+
+/** Stores a whole number; returns what is wanted instead, or an empty text. */
+template <typename T>
+std::string
+assignWhole(const std::string& text, double low, double high, void* target)
+{
+  T value = 0;
+  const bool read = parseWhole(text, value);
+  const auto v = static_cast<double>(value);
+  if (!read || v < low || v > high) return "a whole number" + rangeText(low, high);
+  *static_cast<T*>(target) = value;
+  return "";
+}
+
+/** An option's name and, after "=", its value, of a word that starts with one dash or two. */
+struct OptionWord {
+  std::string name;
+  std::optional<std::string> value;
+
+  explicit OptionWord(const std::string& word)
+  {
+    const std::size_t begin = word[1] == '-' ? 2 : 1, equals = word.find('=');
+    name = word.substr(begin, equals == std::string::npos ? equals : equals - begin);
+    if (equals != std::string::npos) value = word.substr(equals + 1);
+  }
+};
+
+}  // namespace
+
+std::optional<bool>
+switchValue(const std::string& word)
+{
+  if (word == "1" || word == "true" || word == "on") return true;
+  if (word == "0" || word == "false" || word == "off") return false;
+  return std::nullopt;
+}
+
+std::vector<std::string>
+plainArguments(int argc, const char* const* argv)
+{
+  std::vector<std::string> plain;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (i == 0 || word.size() < 2 || word[0] != '-') {
+      plain.push_back(word);
+      continue;
+    }
+    const OptionWord option(word);
+    plain.push_back("-" + option.name);
+    if (option.value) plain.push_back(*option.value);
+  }
+  return plain;
+}
+
+/** Stores a value; returns what the option wants instead, or an empty text. */
+std::string
+OptionTable::assign(Option& option, const std::string& value)
+{
+  switch (option.kind) {
+    case Kind::kInteger: return assignWhole<int>(value, option.low, option.high, option.target);
+    case Kind::kUnsigned:
+      return assignWhole<std::uint64_t>(value, option.low, option.high, option.target);
+    case Kind::kNumber: {
+      double v = 0.0;
+      if (!parseNumber(value, v) || v < option.low || v > option.high) {
+        return "a number" + rangeText(option.low, option.high);
+      }
+      *static_cast<double*>(option.target) = v;
+      return "";
+    }
+    case Kind::kToggle: {
+      const std::optional<bool> on = switchValue(value);
+      option.turn(on.value_or(false));
+      return on ? "" : "0 or 1";
+    }
+    case Kind::kText:
+      *static_cast<std::string*>(option.target) = value;
+      return value.empty() ? option.value_name : "";
+    case Kind::kChoice:
+      *static_cast<std::string*>(option.target) = value;
+      return std::count(option.words.begin(), option.words.end(), value) ? "" : option.value_name;
+    case Kind::kNumbers:
+      return parseNumbers(value, countParts(option.value_name),
+                          *static_cast<std::vector<double>*>(option.target))
+                 ? ""
+                 : "numbers in the form " + option.value_name;
+  }
+  return "";
+}
+
+/** Takes an argument without a dash; the text returned, if any, is a mistake.
+ * \param[in] bare the switch before it that has no value, or null. */
+std::string
+OptionTable::takePositional(const std::string& word, const Option* bare, std::size_t& next)
+{
+  if (next < positionals_.size()) {
+    *positionals_[next++].target = word;
+    return "";
+  }
+  if (bare) return "option -" + bare->name + " got '" + word + "'; give 0 or 1";
+  return "unexpected argument '" + word + "'; see " + program_ + " -h";
+}
+
+/** Takes an option and its value: the one after "=", or else the next argument if there is one. A switch
+ * takes a 0 or 1 only, or a word for it; without one it is 1. A text is never the name of another
+ * option: that one lacks a value.
+ * \param[out] used whether the next argument was taken. */
+std::string
+OptionTable::takeOption(Option& option, const std::optional<std::string>& own,
+                        const char* following, bool& used)
+{
+  if (option.given) return "option -" + option.name + " is given twice; give it once";
+  option.given = true;
+  const std::string next = following ? following : "";
+  const bool is_name = next.size() > 1 && next[0] == '-' && find(OptionWord(next).name) != nullptr;
+  const bool toggle = option.kind == Kind::kToggle;
+  used = !own && (toggle ? switchValue(next).has_value()
+                         : following && !(option.kind == Kind::kText && is_name));
+  if (toggle && !own && !used) {
+    option.turn(true);
+    return "";
+  }
+  if (!own && !used) return "option -" + option.name + " needs a value: " + option.value_name;
+  const std::string value = own ? *own : next;
+  const std::string wanted = assign(option, value);
+  return wanted.empty() ? "" : "option -" + option.name + " got '" + value + "'; give " + wanted;
+}
+
+/** Reads every argument; the text returned, if any, names the first mistake. */
+std::string
+OptionTable::parseArguments(int argc, const char* const* argv)
+{
+  std::size_t next = 0;
+  const Option* bare = nullptr;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    std::string mistake;
+    if (word.size() < 2 || word[0] != '-') {
+      mistake = takePositional(word, bare, next);
+      bare = nullptr;
+    } else {
+      const OptionWord named(word);
+      auto* option = const_cast<Option*>(find(named.name));
+      if (!option) return unknownOption(word);
+      bool used = false;
+      mistake = takeOption(*option, named.value, i + 1 < argc ? argv[i + 1] : nullptr, used);
+      bare = used || named.value ? nullptr : option;
+      i += used ? 1 : 0;
+    }
+    if (!mistake.empty()) return mistake;
+  }
+  if (next < positionals_.size()) return "no " + positionals_[next].name + " is given; " + syntax();
+  return checkExclusive();
+}
+
+std::string
+OptionTable::unknownOption(const std::string& word) const
+{
+  const std::string nearest = nearestName(OptionWord(word).name);
+  const std::string hint = nearest.empty() ? "" : "did you mean -" + nearest + "? ";
+  return "unknown option '" + word + "'; " + hint + "see " + program_ + " -h";
+}
+
+std::string
+OptionTable::checkExclusive() const
+{
+  for (const auto& names : exclusive_) {
+    std::string first;
+    for (const std::string& name : names) {
+      if (!given(name)) continue;
+      if (!first.empty())
+        return "options -" + first + " and -" + name + " exclude each other; give one";
+      first = name;
+    }
+  }
+  return "";
+}
+
+std::optional<int>
+OptionTable::parse(int argc, const char* const* argv)
+{
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    std::string answer;
+    if (word == "-h" || word == "--help") answer = help();
+    if (word == "-version" || word == "--version") answer = program_ + " " + version_ + "\n";
+    if (word == "--help-markdown") answer = markdown();
+    if (answer.empty()) continue;
+    std::fputs(answer.c_str(), stdout);
+    return kExitDone;
+  }
+  const std::string mistake = parseArguments(argc, argv);
+  if (mistake.empty()) return std::nullopt;
+  std::fprintf(stderr, "%s: %s\n", program_.c_str(), mistake.c_str());
+  return kExitUsage;
 }
 
 }  // namespace pcl_slim

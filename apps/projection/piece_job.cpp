@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/core/file_access.h"
 

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/progress_bar.h"
-#include "common/report.h"
+#include "common/program.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/filters/io/point_file_pieces.h"
 #include "pcl_slim/surface/slim_blocks.h"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projection/projection_job.h"
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "common/number_list.h"
+#include "common/options.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {

@@ -2,6 +2,7 @@
 #include "render/model_report.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "pcl_slim/core/order_statistics.h"

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include "common/progress_bar.h"
-#include "common/report.h"
+#include "common/program.h"
 #include "pcl_slim/render/disc_rasterizer.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/render/render_params.h"

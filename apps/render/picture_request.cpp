@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/number_list.h"
+#include "common/options.h"
 
 namespace pcl_slim {
 

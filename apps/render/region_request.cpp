@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/number_list.h"
+#include "common/options.h"
 
 namespace pcl_slim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "common/number_list.h"
+#include "common/options.h"
 
 namespace pcl_slim {
 namespace {

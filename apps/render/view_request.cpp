@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <map>
 
-#include "common/number_list.h"
+#include "common/options.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/turning.h"
 #include "render/camera_file.h"

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/io/trajectory.h"
 #include "pcl_slim/fit/fit_colors.h"

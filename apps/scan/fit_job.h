@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
+#include "common/program.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/report.h"
+#include "common/program.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
 

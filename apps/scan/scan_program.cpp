@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"

@@ -5,9 +5,10 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "pcl_slim/core/parallel.h"
 #include "scan/fit_report.h"
 #include "scan/tile_request.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "scan/fit_report.h"
 
 namespace pcl_slim {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
+#include "common/program.h"
 #include "pcl_slim/filters/io/record_layout.h"
 #include "pcl_slim/stream/stream_fit.h"
 #include "pcl_slim/surface/slim_blocks.h"

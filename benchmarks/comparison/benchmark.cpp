@@ -12,8 +12,6 @@
 #include "comparison/treat.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
 #include "lab/bench.h"
 
 // pcl_slim_benchmark: time against error, SLIM compared with PCL's own classes.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "comparison/treat.h"
-#include "common/progress_bar.h"
+#include "common/program.h"
 #include "pcl_slim/core/error.h"
 
 namespace pcl_slim::comparison {

@@ -6,12 +6,13 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "amphora.h"
-#include "common/memory_limit.h"
+#include "common/run_program.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/error.h"
