@@ -7,7 +7,7 @@
 
 #include "pcl_slim/core/parallel.h"
 #include "projection/projection_job.h"
-#include "scan/cloud_fields.h"
+#include "scan/cloud_file.h"
 
 namespace {
 

@@ -11,7 +11,6 @@
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/cloud_projection.h"
 #include "scan/fit_job.h"
-#include "scan/fit_report.h"
 #include "scan/scan_program.h"
 
 namespace {

@@ -13,7 +13,6 @@
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
-#include "scan/fit_report.h"
 #include "scan/scan_program.h"
 
 namespace {

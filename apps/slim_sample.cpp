@@ -8,8 +8,8 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
-#include "scan/cloud_fields.h"
-#include "scan/fit_report.h"
+#include "scan/cloud_file.h"
+#include "scan/fit_job.h"
 #include "scan/scan_program.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "projection/piece_job.h"
+#include "projection/projection_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "common/run_program.h"
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/core/file_access.h"
 

@@ -4,13 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/run_program.h"
-#include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
-#include "projection/piece_job.h"
-#include "scan/cloud_fields.h"
-#include "scan/fit_report.h"
 
 namespace pcl_slim {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -56,13 +57,8 @@ loadCloudFile(const std::string& path);
 Result<CloudFile>
 asCloudFile(PointFile file, const std::string& name);
 
-/** \brief Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their
- * white is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
-void
-adoptColors(CloudFile& cloud);
-
 /** \brief The colours of a cloud's points, in its field rgba or rgb where that is packed into four
- * bytes, or as adoptColors() found them; null without. Valid as long as view() is. */
+ * bytes, or those that loading brought to bytes; null without. Valid as long as view() is. */
 ColorView
 colorsOf(const CloudFile& cloud);
 
@@ -73,5 +69,48 @@ colorsOf(const CloudFile& cloud);
  */
 Error
 estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
+
+/** \brief Appends the points of further registered frames to those of a first one.
+ *
+ * The points become one row, in the order of the files; the fields vp_x vp_y vp_z have the place that each was seen
+ * from: a frame's own fields of these names or, where they are missing or 0, its VIEWPOINT. The field frame has the
+ * frames' numbers, from 0 on, unless the frames have a field of that name. \return an error for a frame that cannot be
+ * read, has other fields than the first, or has faces. O(points).
+ * \param[in] name of the first frame's file, for messages. \param[in] others further files
+ * \param[out] numbers of the frame of each point
+ */
+Error
+mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
+            std::vector<std::uint32_t>& numbers);
+
+/** \brief Numbers the frames of a cloud by the values of a field, in ascending order.
+ * \return an error where there is no such field or one of its values is not finite. O(points log frames). */
+Error
+framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+              std::vector<std::uint32_t>& numbers);
+
+/** \brief A copy of a point file in which these fields can be written as real numbers.
+ *
+ * Fields keep their order, bytes and types; a named one of a whole-number type becomes type,
+ * one that is not there is added at the end as type, with zeros. \param[in] type
+ * pcl::PCLPointField::FLOAT32 or FLOAT64. O(bytes of the cloud).
+ */
+PointFile
+withRealFields(const PointFile& file, const std::vector<std::string>& names, std::uint8_t type);
+
+/** \brief Writes one field of type FLOAT32 or FLOAT64, point by point; from several threads if
+ * they write different points. */
+class FieldWriter {
+ public:
+  /** \param[in,out] cloud must have the field and outlive this object. */
+  FieldWriter(pcl::PCLPointCloud2& cloud, const std::string& name);
+
+  void set(std::size_t point, double value) const;
+
+ private:
+  unsigned char* first_;
+  std::size_t step_;
+  bool double_;
+};
 
 }  // namespace pcl_slim

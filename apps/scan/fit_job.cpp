@@ -10,12 +10,9 @@
 #include <sstream>
 #include <utility>
 
-#include "common/run_program.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/io/trajectory.h"
 #include "pcl_slim/fit/fit_colors.h"
-#include "scan/fit_report.h"
-#include "scan/merge_frames.h"
 
 namespace pcl_slim {
 

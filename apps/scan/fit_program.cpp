@@ -8,9 +8,8 @@
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "scan/fit_report.h"
 #include "scan/scan_program.h"
-#include "scan/tile_request.h"
+#include "scan/tile_fit.h"
 
 namespace pcl_slim {
 

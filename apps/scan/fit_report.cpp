@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan/fit_report.h"
+#include "scan/fit_job.h"
 
 #include <cmath>
 #include <cstdio>
@@ -134,7 +134,7 @@ counted(std::uint64_t count, const std::string& what)
 }
 
 /** " +- 3 %" for a relative error; nothing where it is not known. */
-std::string
+static std::string
 errorText(double error)
 {
   if (!(error > 0)) return {};

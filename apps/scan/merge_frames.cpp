@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan/merge_frames.h"
+#include "scan/cloud_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-
-#include "scan/cloud_fields.h"
 
 namespace pcl_slim {
 

@@ -4,8 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/run_program.h"
-#include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 

@@ -43,13 +43,6 @@ declarePlanOptions(OptionTable& options, TileRequest& tiles);
 void
 declareTileOptions(OptionTable& options, TileRequest& tiles);
 
-/** \brief What helps where memory is too small for a tile. */
-constexpr const char* kTileRelief = "give fewer -tile_points or -threads";
-
-/** \brief The parameters of a fit by tiles. */
-StreamParams
-streamParams(const FitJob& job, const TileRequest& tiles);
-
 /** \brief Whether a scan of this many points is fitted by tiles by default: it has more than
  * two tiles' points, or does not fit into memory. */
 bool
