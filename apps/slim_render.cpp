@@ -6,21 +6,14 @@
 #include <optional>
 #include <string>
 
-#include "common/run_program.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "page/page_request.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
-#include "render/idle_options.h"
-#include "render/line_request.h"
 #include "render/model.h"
-#include "render/model_report.h"
 #include "render/picture_request.h"
-#include "render/region_request.h"
-#include "render/traced_request.h"
 #include "render/view_request.h"
 
 using namespace pcl_slim;

@@ -9,7 +9,6 @@
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
 #include "scan/fit_job.h"
-#include "view/display.h"
 #include "view/viewer.h"
 
 using namespace pcl_slim;

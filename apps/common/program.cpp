@@ -107,6 +107,11 @@ Report::Report(const std::string& program, const std::string& version, const std
   json["peak_rss_mb"] = 0.0;
 }
 
+Report::Report(const Report& other)
+    : total_(other.total_), json_(std::make_unique<nlohmann::ordered_json>(*other.json_))
+{
+}
+
 Report::~Report() = default;
 
 void

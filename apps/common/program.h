@@ -65,6 +65,8 @@ class Report {
  public:
   Report(const std::string& program, const std::string& version, const std::string& input,
          int threads);
+  Report(const Report& other);
+  Report& operator=(const Report&) = delete;
   ~Report();
 
   nlohmann::ordered_json& json() { return *json_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/display.h"
+#include "view/controls.h"
 
 #ifdef PCL_SLIM_HAS_X11
 #include <X11/Xlib.h>

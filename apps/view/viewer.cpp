@@ -2,20 +2,163 @@
 #include "view/viewer.h"
 
 #include <vtkCamera.h>
+#include <vtkNew.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/fit/fit_colors.h"
+#include "pcl_slim/render/image.h"
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
-#include "view/readout.h"
-#include "view/viewer_style.h"
-#include "view/vtk_camera.h"
+#include "pcl_slim/visualization/splat_mapper.h"
 
 namespace pcl_slim {
+
+FitTask::FitTask(const FitJob& job, const CloudFile& cloud)
+    : job_(job),
+      cloud_(cloud),
+      progress_([this](float fraction, const char* stage) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        fraction_ = fraction;
+        stage_ = stage;
+      }),
+      thread_([this] {
+        try {
+          run();
+        } catch (const std::bad_alloc&) {
+          error_ = {ErrorCode::kBadInput, "not enough memory; show a smaller scan"};
+        }
+        finished_.store(true);
+      })
+{
+}
+
+FitTask::~FitTask()
+{
+  progress_.cancel();
+  thread_.join();
+}
+
+float
+FitTask::progress(std::string& stage) const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  stage = stage_;
+  return fraction_;
+}
+
+void
+FitTask::run()
+{
+  const bool with_normals = job_.use_normals || job_.normal_neighbours > 0;
+  Result<PointStore> store = PointStore::build(cloud_.view(with_normals), job_.params.threads);
+  if (!store) {
+    error_ = store.error();
+    return;
+  }
+  error_ = fitSurface(*store, job_.params, *surface_, nullptr, &progress_);
+  if (!error_ && job_.color)
+    error_ = fitColors(*store, cloud_.view(), colorsOf(cloud_), job_.params.threads, *surface_);
+}
+
 namespace {
+
+template <typename... Values>
+std::string
+print(const char* format, Values... values)
+{
+  char text[256];
+  std::snprintf(text, sizeof(text), format, values...);
+  return text;
+}
+
+std::string
+describePick(const SurfacePick& pick)
+{
+  return print("leaf %u  level %d  degree %d  ball radius %.4g  error %.3g  points %.0f\n",
+               pick.surfel, pick.level, pick.degree, pick.radius, pick.error,
+               pick.effective_count) +
+         print("mean %.4g  Gauss %.4g  k_max %.4g  k_min %.4g\n", pick.mean, pick.gauss, pick.k_max,
+               pick.k_min) +
+         print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", pick.position[0], pick.position[1],
+               pick.position[2], pick.normal[0], pick.normal[1], pick.normal[2]);
+}
+
+std::string
+describeSplat(const SplatSet& splats, std::size_t i)
+{
+  const std::uint32_t rgb = splats.rgb[i];
+  return print("splat %zu  radius %.4g  colour %u %u %u\n", i, double{splats.radius[i]},
+               (rgb >> 16) & 255, (rgb >> 8) & 255, rgb & 255) +
+         print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", splats.origin[0] + splats.x[i],
+               splats.origin[1] + splats.y[i], splats.origin[2] + splats.z[i], double{splats.nx[i]},
+               double{splats.ny[i]}, double{splats.nz[i]});
+}
+
+/** "5000 leaves, mean curvature within 12.3": the status line. */
+std::string
+describeScene(const Scene& scene)
+{
+  GBufferMapper* mapper = scene.mapper();
+  if (!mapper) return "h: help";
+  std::string text;
+  if (const SLIMMapper* surface = scene.surfaceMapper()) {
+    text = std::to_string(surface->getSurface()->numLeaves()) + " leaves";
+  } else {
+    text = std::to_string(static_cast<SplatMapper*>(mapper)->getSplats()->size()) + " splats";
+  }
+  text += "   " + titleOf(mapper->getMode());
+  if (takesRange(mapper->getMode())) text += print(" within %.4g", mapper->getRange());
+  return text + "   h: help";
+}
+
+/** The readout at the mouse: surfel, curvatures, error; empty outside of the model. */
+std::string
+describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y)
+{
+  if (SLIMMapper* surface = scene.surfaceMapper()) {
+    SurfacePick pick;
+    return surface->pick(renderer, scene.model(), x, y, pick) ? describePick(pick) : "";
+  }
+  GBuffer pixel;
+  if (!scene.mapper() || !scene.mapper()->castRay(renderer, scene.model(), x, y, pixel)) return "";
+  return describeSplat(*static_cast<SplatMapper*>(scene.mapper())->getSplats(), pixel.surfel[0]);
+}
+
+/** Moves a camera's focal point along its axis to the depth of an object's middle, so that the object turns in
+ * its place. O(spheres). */
+void
+setTurningPoint(const BoundingSpheres& object, vtkCamera* camera)
+{
+  std::vector<double> depths;
+  const double *eye = camera->GetPosition(), *forward = camera->GetDirectionOfProjection();
+  for (const BoundingSphere& sphere : object.spheres) {
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = object.origin[k] + object.scale * double{sphere.center[k]};
+      depth += (x - eye[k]) * forward[k];
+    }
+    depths.push_back(depth);
+  }
+  if (depths.empty()) return;
+  // The middle of the bulk: a few strays far away do not count.
+  std::sort(depths.begin(), depths.end());
+  const std::size_t n = depths.size() - 1;
+  const double middle = 0.5 * (depths[n / 50] + depths[n - n / 50]);
+  if (middle > 0.0) camera->SetDistance(middle);
+}
 
 /** \brief A grey that grows lighter upwards, or white paper. */
 void
@@ -51,6 +194,42 @@ placeOf(vtkCamera* camera)
 }
 
 }  // namespace
+
+Error
+savePicture(vtkRenderWindow* window, const std::string& path)
+{
+  Image image;
+  image.width = window->GetSize()[0];
+  image.height = window->GetSize()[1];
+  vtkNew<vtkUnsignedCharArray> pixels;
+  window->GetPixelData(0, 0, image.width - 1, image.height - 1, 1, pixels);
+  const auto row = static_cast<std::size_t>(3 * image.width);
+  image.rgb.resize(row * static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    // VTK's rows begin at the bottom.
+    const unsigned char* from =
+        pixels->GetPointer(0) + static_cast<std::size_t>(image.height - 1 - y) * row;
+    std::copy(from, from + row, image.rgb.begin() + static_cast<std::ptrdiff_t>(y * row));
+  }
+  return savePng(path, image);
+}
+
+void
+setCamera(const Camera& from, vtkRenderer* renderer)
+{
+  vtkCamera* camera = renderer->GetActiveCamera();
+  camera->SetPosition(from.position.data());
+  camera->SetFocalPoint(from.look_at.data());
+  camera->SetViewUp(from.up.data());
+  const bool parallel = from.projection == Camera::Projection::kOrthographic;
+  camera->SetParallelProjection(parallel);
+  if (parallel) {
+    camera->SetParallelScale(0.5 * from.view_height);
+  } else {
+    camera->SetViewAngle(from.fov);
+  }
+  renderer->ResetCameraClippingRange();
+}
 
 Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
     : settings_(settings),

@@ -4,25 +4,59 @@
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/picture_lines.h"
-#include "render/region_request.h"
 #include "render/view_request.h"
-#include "view/fit_task.h"
-#include "view/key_table.h"
-#include "view/overlay.h"
-#include "view/scene/cut_box.h"
-#include "view/scene/scene.h"
+#include "scan/fit_job.h"
+#include "view/controls.h"
+#include "view/scene.h"
 
 class vtkRenderWindow;
 class vtkRenderWindowInteractor;
 class vtkRenderer;
 
 namespace pcl_slim {
+
+/** \brief A fit in a thread of its own, apart from the window's. The scan must outlive it. */
+class FitTask {
+ public:
+  FitTask(const FitJob& job, const CloudFile& cloud);
+  /** \brief Stops the fit and waits for it. */
+  ~FitTask();
+  FitTask(const FitTask&) = delete;
+  FitTask& operator=(const FitTask&) = delete;
+
+  bool finished() const { return finished_.load(); }
+  /** \brief Share done; \param[out] stage what runs now. */
+  float progress(std::string& stage) const;
+
+  /** \brief Once finished: what was wrong, or nothing. */
+  const Error& error() const { return error_; }
+  std::shared_ptr<const SLIMSurface> surface() const { return surface_; }
+
+ private:
+  void run();
+
+  FitJob job_;
+  const CloudFile& cloud_;
+  std::shared_ptr<SLIMSurface> surface_ = std::make_shared<SLIMSurface>();
+  Error error_;
+  std::atomic<bool> finished_{false};
+  mutable std::mutex mutex_;  ///< of fraction and stage
+  float fraction_ = 0.0f;
+  std::string stage_ = "preparing";
+  Progress progress_;
+  std::thread thread_;  ///< last: all else is there when it starts
+};
 
 /** \brief How a window begins. */
 struct ViewerSettings {
@@ -97,5 +131,13 @@ class Viewer {
   std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's
   bool mouse_rests_ = true;     ///< the mouse has not moved since the last readout
 };
+
+/** \brief Saves a window that has been drawn as a PNG file. */
+Error
+savePicture(vtkRenderWindow* window, const std::string& path);
+
+/** \brief Gives a renderer's camera the place and opening of another. */
+void
+setCamera(const Camera& camera, vtkRenderer* renderer);
 
 }  // namespace pcl_slim

@@ -6,20 +6,66 @@
 #include <vtkRenderer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "render/camera_file.h"
-#include "view/readout.h"
 #include "view/viewer.h"
-#include "view/vtk_camera.h"
 
 namespace pcl_slim {
 namespace {
 
 const std::vector<std::string> kLineKinds{"none", "crest", "suggestive", "contour", "all"};
+
+/** pcl_slim_view_001.png, or the first number that no file has. */
+std::string
+freePictureName()
+{
+  for (int number = 1;; ++number) {
+    char name[40];
+    std::snprintf(name, sizeof(name), "pcl_slim_view_%03d.png", number);
+    std::error_code code;
+    if (!std::filesystem::exists(name, code)) return name;
+  }
+}
+
+/** Changes between parallel and perspective projection; what is at the camera's target keeps its size. */
+void
+toggleParallel(vtkCamera* camera)
+{
+  constexpr double kDegrees = 180.0 / M_PI;
+  const bool parallel = camera->GetParallelProjection() != 0;
+  const double half = std::tan(0.5 * camera->GetViewAngle() / kDegrees);
+  if (parallel) {
+    // The pinhole steps to where it sees as much at the target.
+    const double factor = camera->GetDistance() * half / camera->GetParallelScale();
+    camera->Dolly(factor);
+  } else {
+    camera->SetParallelScale(camera->GetDistance() * half);
+  }
+  camera->SetParallelProjection(!parallel);
+}
+
+/** A renderer's camera, but for the picture's size. */
+Camera
+cameraOf(vtkRenderer* renderer)
+{
+  vtkCamera* from = renderer->GetActiveCamera();
+  Camera camera;
+  from->GetPosition(camera.position.data());
+  from->GetFocalPoint(camera.look_at.data());
+  from->GetViewUp(camera.up.data());
+  camera.fov = from->GetViewAngle();
+  if (from->GetParallelProjection()) {
+    camera.projection = Camera::Projection::kOrthographic;
+    camera.view_height = 2.0 * from->GetParallelScale();
+  }
+  return camera;
+}
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/overlay.h"
+#include "view/controls.h"
 
 #include <gtest/gtest.h>
 #include <vtkActor2D.h>

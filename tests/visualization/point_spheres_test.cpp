@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/scene/point_spheres.h"
+#include "view/scene.h"
 
 #include <gtest/gtest.h>
 

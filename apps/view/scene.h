@@ -4,6 +4,8 @@
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
 
+#include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,7 +18,10 @@
 #include "pcl_slim/visualization/display_mode.h"
 
 class vtkActor;
+class vtkBoxRepresentation;
+class vtkBoxWidget2;
 class vtkPlaneCollection;
+class vtkRenderWindowInteractor;
 class vtkRenderer;
 class vtkScalarBarActor;
 
@@ -87,5 +92,33 @@ class Scene {
   vtkSmartPointer<vtkScalarBarActor> bar_;
   int letters_ = 13;  ///< pixels
 };
+
+/** \brief A box in a window whose sides and place the mouse drags by their handles: everything outside is
+ * to be cut away. */
+class CutBox {
+ public:
+  /** \param[in] dragged called whenever the mouse has moved the box */
+  explicit CutBox(const std::function<void()>& dragged);
+  ~CutBox();
+
+  /** \brief Shows it in an interactor's window. \param[in] bounds x0, x1, y0, y1, z0, z1 that it starts
+   * from, and which size its handles */
+  void show(vtkRenderWindowInteractor* interactor, const std::array<double, 6>& bounds);
+  void hide();
+  bool shown() const;
+
+  /** \brief The half spaces that its sides bound, world coordinates. */
+  std::vector<HalfSpace> sides() const;
+
+ private:
+  std::function<void()> dragged_;
+  vtkNew<vtkBoxWidget2> widget_;
+  vtkNew<vtkBoxRepresentation> box_;
+};
+
+/** \brief A sample of a scan's points, with their normals where it has any, for the first camera: it then
+ * is placed as for the fitted surface, or nearly so. Finite points only. O(sample). */
+BoundingSpheres
+spheresOfPoints(const CloudView& points);
 
 }  // namespace pcl_slim
