@@ -284,9 +284,9 @@ PageRequest::check(const OptionTable& table, const std::string& output, const st
                ? refused("-precision", "is for pages: name an output that ends in .html")
                : Error{};
   }
-  for (const char* name : {"size", "bar", "turntable", "region", "derivatives", "aa", "lines",
-                           "line_width", "line_curvature", "line_slope", "line_length", "skip",
-                           "reference", "repeat", "lights", "filtered"}) {
+  for (const char* name :
+       {"size", "bar", "turntable", "region", "aa", "lines", "line_width", "line_curvature",
+        "line_slope", "line_length", "skip", "repeat", "lights", "filtered"}) {
     if (table.given(name)) {
       return refused("-" + std::string(name), "means nothing in a page: leave it out");
     }
@@ -323,7 +323,7 @@ colorRules(const DrawnThing& d)
   const bool traced = d.picture.isTraced(), picture = !d.is_page && !traced;
   return {
       {traced,
-       {"range", "map", "bar", "unit", "lighting", "lod", "reference", "derivatives", "repeat"},
+       {"range", "map", "bar", "unit", "lighting", "lod", "repeat"},
        "-mode raytraced does not use it"},
       {!traced, {"lights"}, "only -mode raytraced has lights"},
       {d.lines.sketch, {"ao", "aa", "lighting", "white"}, "-mode sketch draws lines on white"},
@@ -342,9 +342,7 @@ objectRules(const DrawnThing& d)
 {
   const PictureLineParams found = d.lines.finding(1);
   return {
-      {d.is_splats,
-       {"derivatives", "hole", "trim", "reference", "lod", "repeat"},
-       "it is for surfaces"},
+      {d.is_splats, {"hole", "trim", "lod", "repeat"}, "it is for surfaces"},
       {!d.is_splats, {"filtered"}, "it is for splats"},
       {!d.trim, {"hole"}, "-trim 0 keeps no borders"},
       {!d.lines.any(), {"line_width"}, "no lines are drawn; give -lines"},
