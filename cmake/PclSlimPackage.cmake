@@ -31,11 +31,12 @@ Cflags: -I\${includedir} ${flags}
     COMPONENT development)
 endfunction()
 
-# pcl_slim has the modules, pcl_slim_filters the classes that take PCL clouds. PCL's own .pc files are of no
-# use here: they name libraries of cameras and of MPI that Debian does not install with PCL.
+# pcl_slim has the modules, pcl_slim_filters the classes that take PCL clouds and what reads and writes files.
+# PCL's own .pc files are of no use here: they name libraries of cameras and of MPI that Debian does not
+# install with PCL.
 function(pcl_slim_install_pkg_config components)
   set(modules ${components})
-  list(REMOVE_ITEM modules mpi filters visualization)
+  list(REMOVE_ITEM modules mpi io filters visualization)
   list(REVERSE modules)
   set(others -ltbb -lhwy -lz -pthread)
   if(PCL_SLIM_WITH_PNG)
@@ -60,7 +61,7 @@ function(pcl_slim_install_pkg_config components)
     list(REMOVE_ITEM flags /usr/include) # named again, it hides the compiler's own headers
     list(TRANSFORM flags PREPEND -I)
     list(JOIN flags " " flags)
-    pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim filters
+    pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim "filters;io"
       "${others}" "${flags}")
   endif()
 endfunction()

@@ -37,23 +37,35 @@ function(pcl_slim_spare_sanitized)
   endif()
 endfunction()
 
-# pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...] [WITHOUT file...])
+# pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...] [HEADERS module...]
+#   [SOURCES pattern...] [WITHOUT pattern...])
 #
 # Adds pcl_slim::<name> (target pcl_slim_lib_<name>, as programs have the plain names; the file is
 # libpcl_slim_<name>) from src/*.cpp and include/ below the current folder, and installs it as a
 # component of the package. BUILD_ONLY is for header-only libraries that only our own sources
-# include: whoever uses the installed package does not need them. WITHOUT names sources to leave
-# out, relative to src/: of two that answer for an optional library, the one that is not wanted.
+# include: whoever uses the installed package does not need them. HEADERS names modules of which types are
+# all that is used: whoever links the library neither builds nor links them. SOURCES and WITHOUT name sources
+# relative to src/, to take instead of all and to leave out: those of another library below the same folder,
+# or of two that answer for an optional library the one that is not wanted.
 function(pcl_slim_add_library name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY;WITHOUT" ${ARGN})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY;HEADERS;SOURCES;WITHOUT" ${ARGN})
   set(target pcl_slim_lib_${name})
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
-  foreach(source IN LISTS arg_WITHOUT)
-    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/src/${source})
-  endforeach()
+  if(NOT arg_SOURCES)
+    set(arg_SOURCES *.cpp)
+  endif()
+  list(TRANSFORM arg_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${arg_SOURCES})
+  if(arg_WITHOUT)
+    list(TRANSFORM arg_WITHOUT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/src/)
+    file(GLOB_RECURSE left_out CONFIGURE_DEPENDS ${arg_WITHOUT})
+    list(REMOVE_ITEM sources ${left_out})
+  endif()
   set(includes
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  foreach(module IN LISTS arg_HEADERS)
+    list(APPEND includes $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/modules/${module}/include>)
+  endforeach()
   if(sources)
     add_library(${target} ${sources})
     pcl_slim_set_defaults(${target})

@@ -7,8 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "io/text/column_names.h"
-#include "io/text/text_table.h"
+#include "io/text_file.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/order_statistics.h"
 

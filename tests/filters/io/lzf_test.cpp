@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/pcd/lzf.h"
+#include "io/pcd_file.h"
 
 #include <gtest/gtest.h>
 #include <pcl/io/lzf.h>

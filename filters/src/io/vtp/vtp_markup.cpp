@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/vtp/vtp_markup.h"
+#include "io/vtp/vtp.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Replaces vtp_file.cpp in a build without VTK.
-#include "io/triangles/mesh_formats.h"
-#include "io/vtp/crest_vtp.h"
-#include "io/vtp/vtp_file.h"
+// Replaces vtp_write.cpp, vtp_markup.cpp and vtp_points.cpp in a build without VTK.
+#include "io/vtp/vtp.h"
 
 namespace pcl_slim {
 
@@ -38,7 +36,7 @@ saveCrestVtp(const std::string& path, const CrestLines&)
 }
 
 Error
-saveMeshVtp(const std::string& path, const TriangleMesh&)
+saveMeshVtp(const std::string& path, const TriangleMesh&, bool)
 {
   return checkVtp(path);
 }

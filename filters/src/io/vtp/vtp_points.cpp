@@ -7,9 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "io/scalar_type.h"
-#include "io/vtp/vtp_file.h"
-#include "io/vtp/vtp_markup.h"
+#include "io/point_formats.h"
+#include "io/vtp/vtp.h"
 
 namespace pcl_slim {
 

@@ -31,30 +31,11 @@ struct PlyHeader {
   std::size_t size = 0;  ///< bytes up to the body
 };
 
-/** One scalar property to write, and its offset in a point's bytes. */
-struct PlyColumn {
-  std::string name;
-  std::uint8_t type = 0;
-  std::size_t offset = 0;
-};
-
-/** Whether a face's property lists its vertices. */
-bool
-isFaceList(const PlyProperty& property);
-
 Error
 parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header);
-
-std::string
-formatPlyHeader(const std::vector<std::string>& comments, const std::vector<PlyColumn>& columns,
-                std::size_t num_points, std::size_t num_faces, bool long_faces);
 
 /** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
 void
 adoptPclFields(pcl::PCLPointCloud2& cloud);
-
-/** PLY's columns for a cloud's fields: the inverse of adoptPclFields. */
-Error
-plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns);
 
 }  // namespace pcl_slim

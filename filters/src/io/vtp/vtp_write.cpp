@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/vtp/vtp_file.h"
-
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <utility>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkDataSetAttributes.h>
+#include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
+#include <vtkFloatArray.h>
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -11,21 +19,65 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkXMLPolyDataWriter.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <set>
-#include <utility>
-
-#include "io/scalar_type.h"
-#include "io/vtp/vtp_writing.h"
+#include "io/point_formats.h"
+#include "io/vtp/vtp.h"
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 
 namespace {
+
+/** Keeps VTK from printing while a file is tried. */
+class SilentVtk {
+ public:
+  SilentVtk() : display_(vtkObject::GetGlobalWarningDisplay())
+  {
+    vtkObject::GlobalWarningDisplayOff();
+  }
+  ~SilentVtk() { vtkObject::SetGlobalWarningDisplay(display_); }
+
+ private:
+  int display_;
+};
+
+/** Adds an array of type Array, whose component k of tuple i is value(i, k). */
+template <typename Array, typename Value>
+void
+addArray(vtkDataSetAttributes* data, const char* name, std::size_t count, int components,
+         const Value& value)
+{
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int k = 0; k < components; ++k) {
+      array->SetComponent(static_cast<vtkIdType>(i), k,
+                          static_cast<double>(value(i, static_cast<std::size_t>(k))));
+    }
+  }
+  data->AddArray(array);
+}
+
+/** Writes VTK's data as .vtp. */
+Error
+writeVtp(const std::string& path, vtkPolyData* data)
+{
+  const SilentVtk silent;
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetInputData(data);
+  writer->WriteToOutputStringOn();
+  if (writer->Write() == 0) {
+    return {ErrorCode::kIo,
+            "cannot write '" + path + "': VTK refused the data; write a .ply file instead"};
+  }
+  const std::string text = writer->GetOutputString();
+  return writeFile(path, text.data(), text.size());
+}
 
 int
 vtkTypeOf(std::uint8_t type)
@@ -245,6 +297,104 @@ saveVtp(const std::string& path, const PointFile& file)
   comments->SetName(kVtpCommentArray);
   for (const std::string& comment : file.comments) comments->InsertNextValue(comment);
   data->GetFieldData()->AddArray(comments);
+  return writeVtp(path, data);
+}
+
+namespace {
+
+void
+addVertexData(const TriangleMesh& mesh, vtkPointData* data)
+{
+  addArray<vtkFloatArray>(data, "Normals", mesh.normals.size(), 3,
+                          [&](std::size_t i, std::size_t k) { return mesh.normals[i][k]; });
+  data->SetActiveNormals("Normals");
+  addArray<vtkFloatArray>(data, "k1", mesh.k1.size(), 1,
+                          [&](std::size_t i, std::size_t) { return mesh.k1[i]; });
+  addArray<vtkFloatArray>(data, "k2", mesh.k2.size(), 1,
+                          [&](std::size_t i, std::size_t) { return mesh.k2[i]; });
+  if (mesh.colors.empty()) return;
+  addArray<vtkUnsignedCharArray>(data, "RGB", mesh.colors.size(), 3,
+                                 [&](std::size_t i, std::size_t k) { return mesh.colors[i][k]; });
+  data->SetActiveScalars("RGB");
+}
+
+}  // namespace
+
+Error
+saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow)
+{
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPoints> points;
+  if (!narrow) points->SetDataTypeToDouble();
+  for (const Vector3& p : mesh.vertices) points->InsertNextPoint(p.data());
+  data->SetPoints(points);
+  vtkNew<vtkCellArray> cells;
+  for (const auto& t : mesh.triangles) {
+    const vtkIdType corners[3] = {static_cast<vtkIdType>(t[0]), static_cast<vtkIdType>(t[1]),
+                                  static_cast<vtkIdType>(t[2])};
+    cells->InsertNextCell(3, corners);
+  }
+  data->SetPolys(cells);
+  addVertexData(mesh, data->GetPointData());
+  return writeVtp(path, data);
+}
+
+namespace {
+
+void
+addPointData(const CrestLines& lines, vtkDataSetAttributes* data)
+{
+  const auto vectors = [&](const char* name, const std::vector<std::array<float, 3>>& values) {
+    addArray<vtkFloatArray>(data, name, values.size(), 3,
+                            [&](std::size_t i, std::size_t k) { return values[i][k]; });
+  };
+  const auto scalars = [&](const char* name, const std::vector<float>& values) {
+    addArray<vtkFloatArray>(data, name, values.size(), 1,
+                            [&](std::size_t i, std::size_t) { return values[i]; });
+  };
+  vectors("Normals", lines.normal);
+  vectors("tangent", lines.tangent);
+  scalars("k1", lines.k1);
+  scalars("k2", lines.k2);
+  scalars("prominence", lines.prominence);
+  scalars("significance", lines.significance);
+  scalars("radius", lines.radius);
+}
+
+void
+addCellData(const CrestLines& lines, vtkDataSetAttributes* data)
+{
+  const auto scalars = [&](const char* name, const auto& values) {
+    addArray<vtkDoubleArray>(data, name, values.size(), 1, [&](std::size_t i, std::size_t) {
+      return static_cast<double>(values[i]);
+    });
+  };
+  scalars("type", lines.type);
+  scalars("closed", lines.closed);
+  scalars("length", lines.length);
+  scalars("strength", lines.strength);
+  scalars("significance", lines.mean_significance);
+}
+
+}  // namespace
+
+Error
+saveCrestVtp(const std::string& path, const CrestLines& lines)
+{
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const auto& p : lines.position) points->InsertNextPoint(p[0], p[1], p[2]);
+  data->SetPoints(points);
+  vtkNew<vtkCellArray> cells;
+  for (std::size_t line = 0; line < lines.numLines(); ++line) {
+    const auto path_of_line = pathOf(lines, line);
+    cells->InsertNextCell(static_cast<int>(path_of_line.size()));
+    for (const std::uint32_t v : path_of_line) cells->InsertCellPoint(static_cast<vtkIdType>(v));
+  }
+  data->SetLines(cells);
+  addPointData(lines, data->GetPointData());
+  addCellData(lines, data->GetCellData());
   return writeVtp(path, data);
 }
 

@@ -8,6 +8,17 @@
 
 #include "pcl_slim/filters/io/point_file.h"
 
+namespace pcl_slim::detail {
+
+/** \brief Decodes LZF (Marc Lehmann's liblzf), as DATA binary_compressed has it. pcl::lzfDecompress does the
+ * same, but its library loads VTK and drivers of sensors, which takes 25 MB and .03 s at every start.
+ * \param[out] plain room for size bytes. \return whether the input is whole and fills it exactly. O(size). */
+bool
+decodeLzf(const std::uint8_t* packed, std::size_t packed_size, std::uint8_t* plain,
+          std::size_t size);
+
+}  // namespace pcl_slim::detail
+
 namespace pcl_slim {
 
 /** A field as a PCD header lists it; "_" is padding. */
@@ -39,13 +50,5 @@ scalarType(const PcdColumn& column);
 /** Reads the header; viewpoint and comments go into the file. */
 Error
 parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file);
-
-/** Fields and size of the cloud that a header announces; its data stay empty. */
-void
-describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud);
-
-/** The header of a file to write, with binary data. */
-std::string
-formatPcdHeader(const PointFile& file);
 
 }  // namespace pcl_slim

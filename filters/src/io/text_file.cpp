@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/text/text_table.h"
-
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <utility>
+
+#include "io/ply_file.h"
+#include "io/point_formats.h"
+#include "io/text_file.h"
 
 namespace pcl_slim {
 
@@ -290,6 +293,250 @@ Result<TextTable>
 parseTextTable(const std::vector<unsigned char>& bytes)
 {
   return TableReader(bytes).read();
+}
+
+namespace {
+
+struct Alias {
+  const char *written, *name;
+};
+
+constexpr Alias kAliases[] = {
+    {"easting", "x"},        {"northing", "y"},       {"elevation", "z"},
+    {"height", "z"},         {"altitude", "z"},       {"r", "red"},
+    {"g", "green"},          {"b", "blue"},           {"a", "alpha"},
+    {"nx", "normal_x"},      {"ny", "normal_y"},      {"nz", "normal_z"},
+    {"normalx", "normal_x"}, {"normaly", "normal_y"}, {"normalz", "normal_z"},
+    {"i", "intensity"}};
+
+bool
+has(const std::vector<std::string>& names, const std::string& name)
+{
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/** Gives columns of one name different ones. */
+void
+makeUnique(std::vector<std::string>& names)
+{
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::string name = names[k];
+    const auto before = names.begin() + static_cast<std::ptrdiff_t>(k);
+    for (int copy = 2; std::find(names.begin(), before, names[k]) != before; ++copy)
+      names[k] = name + "_" + std::to_string(copy);
+  }
+}
+
+Result<std::vector<std::string>>
+knownNames(const TextTable& table)
+{
+  std::vector<std::string> names;
+  std::string written;
+  for (const TextColumn& column : table.columns) {
+    names.push_back(plainColumnName(column.name));
+    written += (written.empty() ? "" : ", ") + column.name;
+  }
+  for (const Alias& alias : kAliases) {
+    const auto at = std::find(names.begin(), names.end(), alias.written);
+    if (at != names.end() && !has(names, alias.name)) *at = alias.name;
+  }
+  makeUnique(names);
+  for (const char* axis : {"x", "y", "z"}) {
+    const auto at = std::find(names.begin(), names.end(), axis);
+    if (at == names.end() || !table.columns[static_cast<std::size_t>(at - names.begin())].numeric)
+      return badInput("its columns are named " + written.substr(0, 200) +
+                      "; name three of numbers x, y and z");
+  }
+  return names;
+}
+
+/** Whether three columns are unit vectors, or zero, in a sample of the rows. */
+bool
+areNormals(const TextTable& table, std::size_t first)
+{
+  constexpr std::size_t kSample = 1000;
+  constexpr double kTolerance = 0.02;  // of the length: three decimals and their rounding
+  if (first + 3 > table.columns.size()) return false;
+  const std::size_t step = std::max<std::size_t>(1, table.rows() / kSample);
+  std::size_t unit = 0, others = 0;
+  for (std::size_t row = 0; row < table.rows(); row += step) {
+    const double length =
+        std::hypot(table.at(row, first), table.at(row, first + 1), table.at(row, first + 2));
+    if (std::abs(length - 1.0) < kTolerance)
+      ++unit;
+    else if (length != 0.0 && std::isfinite(length))
+      ++others;
+  }
+  return unit > 0 && others == 0;
+}
+
+bool
+areColors(const TextTable& table, std::size_t first)
+{
+  if (first + 3 > table.columns.size()) return false;
+  for (std::size_t k = first; k < first + 3; ++k) {
+    const TextColumn& column = table.columns[k];
+    if (!column.whole || !(column.least >= 0 && column.most <= 255)) return false;
+  }
+  return true;
+}
+
+std::vector<std::string>
+guessedNames(const TextTable& table, bool intensity_first)
+{
+  const std::size_t count = table.columns.size();
+  std::vector<std::string> names = {"x", "y", "z"};
+  const auto add = [&names](std::initializer_list<const char*> more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
+  while (names.size() < count) {
+    const std::size_t k = names.size();
+    const bool has_intensity = has(names, "intensity");
+    if (!has(names, "normal_x") && areNormals(table, k))
+      add({"normal_x", "normal_y", "normal_z"});
+    else if (intensity_first && !has_intensity && areColors(table, k + 1))
+      add({"intensity"});
+    else if (!has(names, "red") && areColors(table, k))
+      add({"red", "green", "blue"});
+    else if (!has_intensity)
+      add({"intensity"});
+    else
+      names.push_back("column_" + std::to_string(k + 1));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string
+plainColumnName(const std::string& written)
+{
+  std::string name;
+  for (const char c : written.substr(0, written.find_first_of("[("))) {
+    const auto byte = static_cast<unsigned char>(c);
+    name += byte <= ' ' ? '_' : static_cast<char>(std::tolower(byte));
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  return name.empty() ? "column" : name;
+}
+
+namespace {
+
+/** Names of fields for a table's columns: x y z, normal_x normal_y normal_z, red green blue alpha,
+ * intensity where they are such, others as the file names them or column_4 and so on.
+ *
+ * With names in the file: those of common programs are known, in any case and with units in brackets.
+ * Without: x y z come first; behind them three columns of unit length are normals, three of whole numbers
+ * from 0 to 255 are colours, and one more is the intensity. \param[in] intensity_first of four columns
+ * that may be colours and an intensity, as in .pts files. \return an error for a table without x y z. */
+Result<std::vector<std::string>>
+columnNames(const TextTable& table, bool intensity_first)
+{
+  if (table.named) return knownNames(table);
+  if (table.columns.size() < 3)
+    return badInput("its lines have fewer than 3 numbers: give x, y and z of a point");
+  return guessedNames(table, intensity_first);
+}
+
+bool
+isChannel(const std::string& name)
+{
+  return name == "red" || name == "green" || name == "blue" || name == "alpha";
+}
+
+/** Bytes of colours are bytes, larger whole numbers 16 bits, others as other numbers. */
+std::uint8_t
+colorType(const TextTable& table, const std::vector<std::string>& names)
+{
+  double most = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const TextColumn& column = table.columns[k];
+    if (!isChannel(names[k])) continue;
+    if (!column.whole || column.least < 0) return 0;
+    most = std::max(most, column.most);
+  }
+  return most <= 255     ? std::uint8_t{kUInt8}
+         : most <= 65535 ? std::uint8_t{kUInt16}
+                         : std::uint8_t{0};
+}
+
+/** Types of the columns, 0 for those that are left out. */
+std::vector<std::uint8_t>
+columnTypes(const TextTable& table, const std::vector<std::string>& names)
+{
+  const auto realType = [](bool in_float) {
+    return in_float ? std::uint8_t{kFloat32} : std::uint8_t{kFloat64};
+  };
+  const std::uint8_t color = colorType(table, names);
+  bool near = true;  // the three coordinates are of one type
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (names[k] == "x" || names[k] == "y" || names[k] == "z") near &= table.columns[k].in_float;
+  }
+  std::vector<std::uint8_t> types;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::string& name = names[k];
+    if (!table.columns[k].numeric)
+      types.push_back(0);
+    else if (name == "x" || name == "y" || name == "z")
+      types.push_back(realType(near));
+    else if (name.rfind("normal_", 0) == 0)
+      types.push_back(kFloat32);
+    else if (isChannel(name) && color != 0)
+      types.push_back(color);
+    else
+      types.push_back(realType(table.columns[k].in_float));
+  }
+  return types;
+}
+
+void
+store(double value, std::uint8_t type, std::uint8_t* at)
+{
+  const auto put = [at](auto number) { std::memcpy(at, &number, sizeof(number)); };
+  if (type == kFloat64) return put(value);
+  if (type == kFloat32) return put(static_cast<float>(value));
+  const double number = std::isfinite(value) ? value : 0.0;  // an empty field of a colour
+  if (type == kUInt16) return put(static_cast<std::uint16_t>(number));
+  put(static_cast<std::uint8_t>(number));
+}
+
+}  // namespace
+
+Result<PointFile>
+parseText(const std::vector<unsigned char>& bytes, bool pts)
+{
+  const Result<TextTable> table = parseTextTable(bytes);
+  if (!table) return table.error();
+  const Result<std::vector<std::string>> names = columnNames(*table, pts);
+  if (!names) return names.error();
+  const std::vector<std::uint8_t> types = columnTypes(*table, *names);
+  PointFile file;
+  file.comments = table->comments;
+  for (std::size_t k = 0; k < names->size(); ++k) {
+    file.columns += (k == 0 ? "" : " ") + (*names)[k];
+    if (types[k] == 0)
+      file.left_out.push_back("'" + (*names)[k] + "', a column of text,");
+    else
+      addField(file.cloud, (*names)[k], types[k]);
+  }
+  file.columns += table->named ? ", as the file names them" : ", guessed from the numbers";
+  pcl::PCLPointCloud2& cloud = file.cloud;
+  const std::size_t n = table->rows();
+  if (n > 0xfffffffeu) return badInput("the file has more than 2^32 - 2 points; split it");
+  cloud.width = static_cast<pcl::uindex_t>(n);
+  cloud.height = 1;
+  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * n);
+  cloud.data.resize(cloud.point_step * n);
+  std::uint8_t* at = cloud.data.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < types.size(); ++k) {
+      if (types[k] == 0) continue;
+      store(table->at(i, k), types[k], at);
+      at += scalarSize(types[k]);
+    }
+  }
+  adoptPclFields(cloud);
+  return file;
 }
 
 }  // namespace pcl_slim

@@ -45,4 +45,8 @@ struct TextTable {
 Result<TextTable>
 parseTextTable(const std::vector<unsigned char>& bytes);
 
+/** A column's name in lower case, without a unit in brackets, with _ for what separates words. */
+std::string
+plainColumnName(const std::string& written);
+
 }  // namespace pcl_slim
