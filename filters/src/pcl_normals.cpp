@@ -15,7 +15,37 @@
 
 #include "pcl_slim/core/parallel.h"
 
+#ifdef PCL_NO_PRECOMPILE
 namespace pcl_slim {
+
+namespace {
+
+/** \brief The distance of PCL's trees as a type of our own, for which FLANN's function that makes an index of
+ * any kind makes the one kind that PCL asks for: the other seven are most of the time to compile this file. */
+struct SquaredDistance : flann::L2_Simple<float> {};
+
+using PointTree = pcl::search::KdTree<pcl::PointXYZ, pcl::KdTreeFLANN<pcl::PointXYZ, SquaredDistance>>;
+
+}  // namespace
+
+}  // namespace pcl_slim
+
+template <>
+inline flann::NNIndex<pcl_slim::SquaredDistance>*
+flann::create_index_by_type<pcl_slim::SquaredDistance>(const flann_algorithm_t,
+                                                       const Matrix<float>& points,
+                                                       const IndexParams& params,
+                                                       const pcl_slim::SquaredDistance& distance)
+{
+  return new KDTreeSingleIndex<pcl_slim::SquaredDistance>(points, params, distance);
+}
+#endif
+
+namespace pcl_slim {
+
+#ifndef PCL_NO_PRECOMPILE
+using PointTree = pcl::search::KdTree<pcl::PointXYZ>;
+#endif
 
 pcl::search::Search<pcl::PointXYZ>::Ptr
 makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud)
@@ -25,7 +55,7 @@ makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud)
     organized->setInputCloud(cloud);
     if (organized->isValid()) return organized;
   }
-  auto tree = std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>();
+  auto tree = std::make_shared<PointTree>();
   tree->setInputCloud(cloud);
   return tree;
 }

@@ -19,6 +19,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/random.h"
+#include "pcl_slim/core/scalar_type.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/pcl_normals.h"
 #include "pcl_slim/surface/polynomial.h"
@@ -275,6 +276,40 @@ SLIMSmootherBase::checkSmoother(bool has_distinct) const
   return {ErrorCode::kBadArgument, "the upsampling method is none of the five; name one"};
 }
 
+std::vector<SLIMSmootherBase::CommonBytes>
+SLIMSmootherBase::commonFields(const std::vector<pcl::PCLPointField>& from,
+                               const std::vector<pcl::PCLPointField>& to)
+{
+  const auto isColor = [](const std::string& name) { return name == "rgb" || name == "rgba"; };
+  std::vector<CommonBytes> copies;
+  for (const pcl::PCLPointField& a : from) {
+    for (const pcl::PCLPointField& b : to) {
+      const bool same = a.name == b.name && a.datatype == b.datatype && a.count == b.count;
+      if (!same && !(isColor(a.name) && isColor(b.name))) continue;
+      const CommonBytes field{a.offset, b.offset, scalarSize(a.datatype) * a.count};
+      CommonBytes* last = copies.empty() ? nullptr : &copies.back();
+      const bool adjoins = last && last->from + last->count == field.from &&
+                           last->to + last->count == field.to;
+      if (adjoins)
+        last->count += field.count;
+      else
+        copies.push_back(field);
+    }
+  }
+  return copies;
+}
+
+void
+SLIMSmootherBase::complain() const
+{
+  if (error_ && error_.code != ErrorCode::kCancelled)
+    PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
+  if (!getWarning().empty()) {
+    PCL_WARN("[pcl_slim::SLIMProjectionSmoother::process] %s; the points stay as they are\n",
+             getWarning().c_str());
+  }
+}
+
 double
 SLIMSmootherBase::noiseOf(const SLIMSurface& surface)
 {
@@ -526,12 +561,16 @@ SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = projection.size();
   unsigned char* const points = target.resize(count);
+  const auto copyFields = [&](const unsigned char* from, unsigned char* to) {
+    for (const CommonBytes& bytes : target.copies)
+      std::memcpy(to + bytes.to, from + bytes.from, bytes.count);
+  };
   corresponding_->indices.resize(count);
   parallelFor(count, resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
     const auto from = source.indices ? static_cast<std::size_t>((*source.indices)[i]) : i;
     unsigned char* const to = points + i * target.step;
     corresponding_->indices[i] = static_cast<pcl::index_t>(from);
-    target.copy(source.points + from * source.step, to);
+    copyFields(source.points + from * source.step, to);
     if (projection.isSupported(i)) return put(projection.point(i), target, to);
     if (projection.isFinite(i) || !compute_normals_) return;
     setField<3>({kNan, kNan, kNan}, target.normal, to);
@@ -551,13 +590,17 @@ SLIMSmootherBase::upsample(const Source& source, const CloudView& view, const Cl
   for (std::size_t i = 0; i < projection.size(); ++i)
     if (projection.isSupported(i)) kept.push_back(i);
   unsigned char* const points = target.resize(kept.size());
+  const auto copyFields = [&](const unsigned char* from, unsigned char* to) {
+    for (const CommonBytes& bytes : target.copies)
+      std::memcpy(to + bytes.to, from + bytes.from, bytes.count);
+  };
   corresponding_->indices.resize(kept.size());
   parallelFor(kept.size(), resolveThreads(params_.threads), 4096, [&](std::size_t k, int) {
     const std::size_t asked = candidates.source[kept[k]];
     const auto from = source.indices ? static_cast<std::size_t>((*source.indices)[asked]) : asked;
     unsigned char* const to = points + k * target.step;
     corresponding_->indices[k] = static_cast<pcl::index_t>(from);
-    target.copy(source.points + from * source.step, to);
+    copyFields(source.points + from * source.step, to);
     put(upsampled(candidates, projection, kept[k]), target, to);
   });
 }

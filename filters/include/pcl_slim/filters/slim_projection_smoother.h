@@ -14,9 +14,6 @@
 
 namespace pcl_slim {
 
-template <typename PointT>
-class CloudDescription;
-
 /** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
  * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
  *
@@ -105,9 +102,6 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void performProcessing(PointCloudOut& output) override;
 
  private:
-  Source source(CloudDescription<PointInT>& description) const;
-  static Target target(PointCloudOut& output);
-
   PointCloudInConstPtr distinct_cloud_;
   NormalCloud::ConstPtr normals_;
   KdTreePtr search_;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/PCLPointField.h>
 #include <pcl/PointIndices.h>
+#include <pcl/point_cloud.h>
 #include <pcl/surface/mls.h>
 
 #include <array>
@@ -130,13 +132,47 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     std::function<Error(CloudView&)> describe;  ///< what is fitted to
   };
 
+  /** \brief Bytes that a point of one type and a point of another have in common. */
+  struct CommonBytes {
+    std::size_t from, to, count;
+  };
+
   /** \brief The output as bytes; offsets of its fields within a point, or kNoField. Three floats each, but
    * for the curvature. */
   struct Target {
     std::size_t step = 0, position = 0, normal = kNoField, curvature = kNoField;
-    void (*copy)(const void* from, void* to) = nullptr;  ///< the fields that both types have
-    std::function<unsigned char*(std::size_t)> resize;   ///< makes room for this many points
+    std::vector<pcl::PCLPointField> fields;
+    std::vector<CommonBytes> copies;                    ///< the fields that both types have
+    std::function<unsigned char*(std::size_t)> resize;  ///< makes room for this many points
+    pcl::PCLHeader* header = nullptr;
+    Eigen::Vector4f* sensor_origin = nullptr;
+    Eigen::Quaternionf* sensor_orientation = nullptr;
+    std::uint32_t *width = nullptr, *height = nullptr;
+    bool* is_dense = nullptr;
   };
+
+  /** \brief A cloud to smooth and what describes it; impl/slim_projection_smoother.hpp defines it. */
+  template <typename PointT>
+  struct Input;
+
+  /** \brief What copies the fields that two point types have by the same names, rgb and rgba being one. */
+  static std::vector<CommonBytes> commonFields(const std::vector<pcl::PCLPointField>& from,
+                                               const std::vector<pcl::PCLPointField>& to);
+  /** \brief Describes a pcl::PointCloud<PointT>. */
+  template <typename PointT>
+  static Target targetOf(void* cloud);
+  /** \brief Runs, and gives the output the input's header, sensor and, where its points are the input's,
+   * rows. \param[in] target_of the targetOf() of the output's type \param[in] same whether that is the
+   * input's */
+  template <typename PointT>
+  void smoothInput(const Input<PointT>& input, void* output, Target (*target_of)(void*), bool same);
+  /** \brief Performs a run into a cloud apart, because output may be the input, and prints what it has to say.
+   * Output is empty after an error. */
+  template <typename PointT>
+  void processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
+                    pcl::PointCloud<PointT>& output);
+  /** \brief Prints the error and the warning of a run, if there are any. */
+  void complain() const;
 
   /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite. \return
    * whether they are the input's own; getError() gives the reason if there are none. */

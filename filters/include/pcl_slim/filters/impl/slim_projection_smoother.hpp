@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pcl/common/io.h>
-#include <pcl/console/print.h>
 #include <pcl/surface/processing.h>
 
 #include <type_traits>
@@ -13,105 +12,132 @@
 
 namespace pcl_slim {
 
-template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
+template <typename PointT>
+struct SLIMSmootherBase::Input {
+  const typename pcl::PointCloud<PointT>::ConstPtr &cloud, &distinct;
+  const pcl::IndicesPtr* indices;  ///< null: all points
+  const pcl::PointCloud<pcl::Normal>::ConstPtr& normals;
+  const typename pcl::search::Search<PointT>::Ptr& search;
+  int normal_neighbours;
+};
+
+template <typename PointT>
+SLIMSmootherBase::Target
+SLIMSmootherBase::targetOf(void* cloud)
 {
-  clearResults();
-  PointCloudOut made;  // apart, because output may be the input
-  performProcessing(made);
-  if (error_) {
-    made = PointCloudOut();
-    if (error_.code != ErrorCode::kCancelled) {
-      PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
-    }
+  auto& output = *static_cast<pcl::PointCloud<PointT>*>(cloud);
+  namespace fields = pcl::fields;
+  using pcl::traits::offset;
+  static_assert(std::is_same<decltype(PointT::x), float>::value &&
+                    offset<PointT, fields::z>::value - offset<PointT, fields::x>::value == 8,
+                "x y z are written as three floats in a row");
+  Target target;
+  target.step = sizeof(PointT);
+  target.position = offset<PointT, fields::x>::value;
+  if constexpr (pcl::traits::has_normal<PointT>::value) {
+    target.normal = offset<PointT, fields::normal_x>::value;
+    static_assert(
+        offset<PointT, fields::normal_z>::value - offset<PointT, fields::normal_x>::value == 8,
+        "normals are written as three floats in a row");
   }
-  if (!getWarning().empty()) {
-    PCL_WARN("[pcl_slim::SLIMProjectionSmoother::process] %s; the points stay as they are\n",
-             getWarning().c_str());
-  }
-  output = std::move(made);
+  if constexpr (pcl::traits::has_curvature<PointT>::value)
+    target.curvature = offset<PointT, fields::curvature>::value;
+  target.resize = [&output](std::size_t count) {
+    output.resize(count);
+    return reinterpret_cast<unsigned char*>(output.points.data());
+  };
+  target.header = &output.header;
+  target.sensor_origin = &output.sensor_origin_;
+  target.sensor_orientation = &output.sensor_orientation_;
+  target.width = &output.width;
+  target.height = &output.height;
+  target.is_dense = &output.is_dense;
+  target.fields = pcl::getFields<PointT>();
+  return target;
 }
 
-template <typename PointInT, typename PointOutT>
+template <typename PointT>
 void
-SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
+SLIMSmootherBase::smoothInput(const Input<PointT>& input, void* output, Target (*target_of)(void*),
+                              bool same)
 {
-  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_,
-                                         sensors_, frames_);
-  description.setInputNormals(normals_);
-  description.setSearchMethod(search_);
-  description.setNormalEstimationNeighbors(normal_neighbours_);
-  bool dense = true;
-  const bool own = run(source(description), target(output), dense);
-  if (error_) return;
-  if (own && !(use_indices_ && indices_) &&
-      static_cast<std::size_t>(input_->width) * input_->height == output.size()) {
-    output.width = input_->width;
-    output.height = input_->height;
-  }
-  output.header = input_->header;
-  output.sensor_origin_ = input_->sensor_origin_;
-  output.sensor_orientation_ = input_->sensor_orientation_;
-  output.is_dense = dense;
-}
-
-template <typename PointInT, typename PointOutT>
-auto
-SLIMProjectionSmoother<PointInT, PointOutT>::source(CloudDescription<PointInT>& description) const
-    -> Source
-{
+  Target target = target_of(output);
+  target.copies = same ? std::vector<CommonBytes>{{0, 0, sizeof(PointT)}}
+                       : commonFields(pcl::getFields<PointT>(), target.fields);
+  const auto& cloud = input.cloud;
+  const pcl::IndicesPtr indices = input.indices ? *input.indices : nullptr;
+  CloudDescription<PointT> description(cloud, indices, params_, sensors_, frames_);
+  description.setInputNormals(input.normals);
+  description.setSearchMethod(input.search);
+  description.setNormalEstimationNeighbors(input.normal_neighbours);
   Source source;
-  source.step = sizeof(PointInT);
-  if (input_) source.points = reinterpret_cast<const unsigned char*>(input_->points.data());
-  if (use_indices_ && indices_) source.indices = indices_.get();
-  source.has_distinct = distinct_cloud_ != nullptr;
-  if (distinct_cloud_ && !distinct_cloud_->empty()) {
-    source.distinct.size = distinct_cloud_->size();
-    source.distinct.xyz = reinterpret_cast<const unsigned char*>(distinct_cloud_->points.data()) +
-                          pcl::traits::offset<PointInT, pcl::fields::x>::value;
-    source.distinct.xyz_stride = sizeof(PointInT);
+  source.step = sizeof(PointT);
+  if (cloud) source.points = reinterpret_cast<const unsigned char*>(cloud->points.data());
+  source.indices = indices.get();
+  source.has_distinct = input.distinct != nullptr;
+  if (input.distinct && !input.distinct->empty()) {
+    source.distinct.size = input.distinct->size();
+    source.distinct.xyz = reinterpret_cast<const unsigned char*>(input.distinct->points.data()) +
+                          pcl::traits::offset<PointT, pcl::fields::x>::value;
+    source.distinct.xyz_stride = sizeof(PointT);
   }
   source.describe = [&description](CloudView& view) {
     if (!description.describe()) return description.getError();
     view = description.view();
     return Error();
   };
-  return source;
+  bool dense = true;
+  const bool own = run(source, target, dense);
+  if (error_) return;
+  const std::size_t size = static_cast<std::size_t>(*target.width) * *target.height;
+  if (own && !indices && static_cast<std::size_t>(cloud->width) * cloud->height == size) {
+    *target.width = cloud->width;
+    *target.height = cloud->height;
+  }
+  *target.header = cloud->header;
+  *target.sensor_origin = cloud->sensor_origin_;
+  *target.sensor_orientation = cloud->sensor_orientation_;
+  *target.is_dense = dense;
+}
+
+template <typename PointT>
+void
+SLIMSmootherBase::processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
+                               pcl::PointCloud<PointT>& output)
+{
+  clearResults();
+  pcl::PointCloud<PointT> made;
+  perform(*this, made);
+  if (error_) made = pcl::PointCloud<PointT>();
+  complain();
+  output = std::move(made);
 }
 
 template <typename PointInT, typename PointOutT>
-auto
-SLIMProjectionSmoother<PointInT, PointOutT>::target(PointCloudOut& output) -> Target
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
 {
-  namespace fields = pcl::fields;
-  using pcl::traits::offset;
-  static_assert(std::is_same<decltype(PointOutT::x), float>::value &&
-                    offset<PointOutT, fields::z>::value - offset<PointOutT, fields::x>::value == 8,
-                "x y z are written as three floats in a row");
-  Target target;
-  target.step = sizeof(PointOutT);
-  target.position = offset<PointOutT, fields::x>::value;
-  if constexpr (pcl::traits::has_normal<PointOutT>::value) {
-    target.normal = offset<PointOutT, fields::normal_x>::value;
-    static_assert(
-        offset<PointOutT, fields::normal_z>::value - offset<PointOutT, fields::normal_x>::value ==
-            8,
-        "normals are written as three floats in a row");
-  }
-  if constexpr (pcl::traits::has_curvature<PointOutT>::value)
-    target.curvature = offset<PointOutT, fields::curvature>::value;
-  target.copy = [](const void* from, void* to) {
-    pcl::copyPoint(*static_cast<const PointInT*>(from), *static_cast<PointOutT*>(to));
-  };
-  target.resize = [&output](std::size_t count) {
-    output.resize(count);
-    return reinterpret_cast<unsigned char*>(output.points.data());
-  };
-  return target;
+  processApart<PointOutT>(
+      [](SLIMSmootherBase& smoother, PointCloudOut& made) {
+        static_cast<SLIMProjectionSmoother&>(smoother).performProcessing(made);
+      },
+      output);
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
+{
+  smoothInput<PointInT>({input_, distinct_cloud_, use_indices_ ? &indices_ : nullptr, normals_,
+                         search_, normal_neighbours_},
+                        &output, &targetOf<PointOutT>, std::is_same<PointInT, PointOutT>::value);
 }
 
 }  // namespace pcl_slim
 
-#define PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, Out) \
-  template class PCL_SLIM_EXPORT pcl_slim::SLIMProjectionSmoother<In, Out>;
+// What the class only declares: whoever uses it compiles the rest with its definition.
+#define PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, Out)                                  \
+  template PCL_SLIM_EXPORT void pcl_slim::SLIMProjectionSmoother<In, Out>::process(           \
+      pcl::PointCloud<Out>&);                                                                 \
+  template PCL_SLIM_EXPORT void pcl_slim::SLIMProjectionSmoother<In, Out>::performProcessing( \
+      pcl::PointCloud<Out>&);
