@@ -61,8 +61,9 @@ def sources(root):
 def room_of(path):
     """modules/fit/src/ball/x.h -> fit; apps/common/x.h -> apps; tests/support/lab/x.h -> lab."""
     parts = path.split("/")
-    if path.startswith(OWN_ROOMS):
-        return parts[-2]
+    for own in OWN_ROOMS:
+        if path.startswith(own):
+            return own.split("/")[-2]
     return parts[1] if parts[0] == "modules" else parts[0]
 
 

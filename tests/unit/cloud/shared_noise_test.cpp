@@ -10,7 +10,7 @@
 
 #include "lab/sensor.h"
 #include "noise/patch_scale.h"
-#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
 
