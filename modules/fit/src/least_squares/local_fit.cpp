@@ -224,11 +224,27 @@ struct Moments {
   double weight_sq;
 };
 
+constexpr std::size_t kRun = 256;  ///< points whose weights are at hand; no result depends on it
+
+/** The weights of points [begin, end) of a ball, up to whole vectors. */
 template <WeightKernel K>
+HWY_NOINLINE void
+weigh(const BallBuffer& ball, Vec inverse_sq, std::size_t begin, std::size_t end, float* weights)
+{
+  const Tag d;
+  for (std::size_t i = begin; i < end; i += hn::Lanes(d), weights += hn::Lanes(d)) {
+    auto weight = kernelWeight<K>(Load(d, ball.s_sq.data() + i) * inverse_sq);
+    if (!ball.prior.empty()) weight *= Load(d, ball.prior.data() + i);
+    Store(weight, d, weights);
+  }
+}
+
+/** A ball's points with the weights G(s / rho). Weights are made a run of points at a time, before the loops over
+ * points, which so are the same for all kernels; of few points they are made once for all loops. */
 class WeightedBall {
  public:
-  WeightedBall(const BallBuffer& ball, float rho)
-      : ball_(ball), values_(ball.w.data()), inverse_sq_(set(1.0f / (rho * rho)))
+  WeightedBall(const BallBuffer& ball, float rho, WeightKernel kernel)
+      : ball_(ball), values_(ball.w.data()), kernel_(kernel), inverse_sq_(set(1.0f / (rho * rho)))
   {
   }
 
@@ -248,25 +264,43 @@ class WeightedBall {
   HWY_INLINE void forEach(const Body& body) const
   {
     const Tag d;
-    for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
-      auto weight = kernelWeight<K>(Load(d, ball_.s_sq.data() + i) * inverse_sq_);
-      if (!ball_.prior.empty()) weight *= Load(d, ball_.prior.data() + i);
-      if (factors_ != nullptr) weight *= Load(d, factors_ + i);
-      body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i), Load(d, values_ + i));
+    for (std::size_t begin = 0; begin < ball_.count; begin += kRun) {
+      const std::size_t end = std::min(begin + kRun, ball_.count);
+      if (begin != at_hand_) weighRun(begin, end);
+      for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+        auto weight = Load(d, weights_ + (i - begin));
+        if (factors_ != nullptr) weight *= Load(d, factors_ + i);
+        body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i), Load(d, values_ + i));
+      }
     }
   }
 
  private:
+  void weighRun(std::size_t begin, std::size_t end) const
+  {
+    at_hand_ = begin;
+    switch (kernel_) {
+      case WeightKernel::kPower2:
+        return weigh<WeightKernel::kPower2>(ball_, inverse_sq_, begin, end, weights_);
+      case WeightKernel::kPower4:
+        return weigh<WeightKernel::kPower4>(ball_, inverse_sq_, begin, end, weights_);
+      default: return weigh<WeightKernel::kGaussian>(ball_, inverse_sq_, begin, end, weights_);
+    }
+  }
+
   const BallBuffer& ball_;
   const float* values_;
   const float* factors_ = nullptr;
+  WeightKernel kernel_;
   Vec inverse_sq_;
+  mutable std::size_t at_hand_ = ~std::size_t{0};  ///< where the run begins whose weights are at hand
+  HWY_ALIGN mutable float weights_[kRun];
 };
 
 /** Rows First .. Last of the moments; few enough at a time that the sums stay in registers. */
-template <int D, int First, int Last, WeightKernel K>
+template <int D, int First, int Last>
 HWY_NOINLINE void
-momentRows(const WeightedBall<K>& ball, Moments& m)
+momentRows(const WeightedBall& ball, Moments& m)
 {
   constexpr int kBegin = momentIndex(D, First, 0);
   constexpr int kCount = momentIndex(D, Last, 2 * D - Last) + 1 - kBegin;
@@ -293,9 +327,9 @@ momentRows(const WeightedBall<K>& ball, Moments& m)
 }
 
 /** Sums W z u^i v^j over all terms of degree D, and W z^2, for z = value(u, v, w). */
-template <int D, WeightKernel K, typename Value>
+template <int D, typename Value>
 HWY_INLINE void
-heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], double& zz_sum)
+heightSums(const WeightedBall& ball, const Value& value, double z_sums[], double& zz_sum)
 {
   constexpr int kTerms = numCoefficients(D);
   Vec sums[kTerms];
@@ -319,9 +353,9 @@ heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], dou
   zz_sum = sumLanes(zz);
 }
 
-template <int D, WeightKernel K>
+template <int D>
 void
-weightMoments(const WeightedBall<K>& ball, Moments& m)
+weightMoments(const WeightedBall& ball, Moments& m)
 {
   if constexpr (D <= 2) {
     momentRows<D, 0, 2 * D>(ball, m);
@@ -335,37 +369,37 @@ weightMoments(const WeightedBall<K>& ball, Moments& m)
   }
 }
 
-template <int D, WeightKernel K>
+template <int D>
 void
-computeMoments(const WeightedBall<K>& ball, Moments& m)
+computeMoments(const WeightedBall& ball, Moments& m)
 {
-  weightMoments<D, K>(ball, m);
+  weightMoments<D>(ball, m);
   heightSums<D>(
       ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
 }
 
 /** Moments of the slopes' weights, times slope_weight. */
-template <int D, WeightKernel K>
+template <int D>
 HWY_NOINLINE void
-slopeMoments(const WeightedBall<K>& ball, Moments& m)
+slopeMoments(const WeightedBall& ball, Moments& m)
 {
-  weightMoments<D - 1, K>(ball.slopes(true), m);
+  weightMoments<D - 1>(ball.slopes(true), m);
   for (int k = 0; k <= momentIndex(D - 1, 2 * D - 2, 0); ++k) m.uv[k] *= ball.points().slope_weight;
 }
 
 /** Residual sums of a solution: b = sum W f m_k and sum W f^2, from the points themselves. */
-template <int D, WeightKernel K>
+template <int D>
 HWY_NOINLINE void
-residualSums(const WeightedBall<K>& ball, const double* c, double* b, double& ff)
+residualSums(const WeightedBall& ball, const double* c, double* b, double& ff)
 {
   const Height<D> height(c);
   heightSums<D>(
       ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return w - height(u, v); }, b, ff);
 }
 
-template <int D, WeightKernel K>
+template <int D>
 HWY_NOINLINE double
-residualSum(const WeightedBall<K>& ball, const double* c)
+residualSum(const WeightedBall& ball, const double* c)
 {
   const Height<D> height(c);
   Vec sum = Zero(Tag());
@@ -378,9 +412,9 @@ residualSum(const WeightedBall<K>& ball, const double* c)
 
 /** Adds the slopes' residuals against those of c to the right-hand side: slope_weight times
  * sum W (s_u - h_u) d_u m_k + W (s_v - h_v) d_v m_k. \return their weighted sum of squares. */
-template <int D, WeightKernel K>
+template <int D>
 HWY_NOINLINE double
-addSlopeSums(const WeightedBall<K>& ball, const double* c, double* b)
+addSlopeSums(const WeightedBall& ball, const double* c, double* b)
 {
   constexpr int kTermsOfSlope = numCoefficients(D - 1);
   const double weight = ball.points().slope_weight;
@@ -416,21 +450,21 @@ supportedDegree(int degree, int pivots, double n_eff, double support)
   return degree;
 }
 
-template <int D, WeightKernel K>
+template <int D>
 LocalFit
-fitWith(const BallBuffer& points, float rho, double support, bool refine)
+fitOfDegree(const BallBuffer& points, float rho, WeightKernel kernel, double support, bool refine)
 {
   LocalFit fit;
-  fit.kernel = K;
-  const WeightedBall<K> ball(points, rho);
+  fit.kernel = kernel;
+  const WeightedBall ball(points, rho, kernel);
   Moments m;
-  computeMoments<D, K>(ball, m);
+  computeMoments<D>(ball, m);
   const double weight = m.uv[0];
   const bool slopes = points.slope_weight > 0;
   Moments of_slopes;
   if (slopes) {
-    slopeMoments<D, K>(ball, of_slopes);
-    addSlopeSums<D, K>(ball, fit.c.data(), m.z);
+    slopeMoments<D>(ball, of_slopes);
+    addSlopeSums<D>(ball, fit.c.data(), m.z);
   }
   if (!(weight > 0.0) || !(m.weight_sq > 0.0)) return fit;
   fit.n_eff = weight * weight / m.weight_sq;
@@ -447,29 +481,28 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   equations.solve(size, fit.c.data());
   if (refine) {
     double b[kMaxCoefficients] = {}, ff;
-    residualSums<D, K>(ball, fit.c.data(), b, ff);
-    if (slopes) addSlopeSums<D, K>(ball, fit.c.data(), b);
+    residualSums<D>(ball, fit.c.data(), b, ff);
+    if (slopes) addSlopeSums<D>(ball, fit.c.data(), b);
     equations.solveAndAdd(size, b, fit.c.data());
     fit.least_pivot = equations.leastPivot(size);
   }
   if (refine || slopes || rss < kResidual * m.zz)
-    rss = residualSum<D, K>(ball, fit.c.data());
+    rss = residualSum<D>(ball, fit.c.data());
   fit.residual_sq = std::max(0.0, rss / weight);
   fit.terms = slopes ? equations.heightTerms(size, m.uv) : size;
   if (slopes) {
     double unused[kMaxCoefficients] = {};
-    fit.slope_misfit = addSlopeSums<D, K>(ball, fit.c.data(), unused) / weight;
+    fit.slope_misfit = addSlopeSums<D>(ball, fit.c.data(), unused) / weight;
   }
   fit.slope_sq = meanSlopeSq<D>(m.uv, fit.c.data());
   return fit;
 }
 
-template <WeightKernel K>
 double
-effectiveCountOf(const BallBuffer& points, float rho)
+effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
 {
   Vec sum = Zero(Tag()), squares = sum;
-  WeightedBall<K>(points, rho).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
+  WeightedBall(ball, rho, kernel).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
     sum += weight;
     squares = MulAdd(weight, weight, squares);
   });
@@ -477,35 +510,13 @@ effectiveCountOf(const BallBuffer& points, float rho)
   return weight_sq > 0.0 ? weight * weight / weight_sq : 0.0;
 }
 
-double
-effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return effectiveCountOf<WeightKernel::kPower2>(ball, rho);
-    case WeightKernel::kPower4: return effectiveCountOf<WeightKernel::kPower4>(ball, rho);
-    default: return effectiveCountOf<WeightKernel::kGaussian>(ball, rho);
-  }
-}
-
-template <WeightKernel K>
-LocalFit
-fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
-{
-  return forDegree(degree,
-                   [&](auto d) HWY_ATTR { return fitWith<d(), K>(ball, rho, support, refine); });
-}
-
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
         bool refine)
 {
-  switch (kernel) {
-    case WeightKernel::kPower2:
-      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, refine);
-    case WeightKernel::kPower4:
-      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, refine);
-    default: return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, refine);
-  }
+  return forDegree(degree, [&](auto d) HWY_ATTR {
+    return fitOfDegree<d()>(ball, rho, kernel, support, refine);
+  });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
