@@ -13,6 +13,7 @@
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/model.h"
+#include "render/output_request.h"
 #include "render/picture_request.h"
 #include "render/view_request.h"
 

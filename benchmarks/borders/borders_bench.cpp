@@ -10,7 +10,7 @@
 #include "borders/rims.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"

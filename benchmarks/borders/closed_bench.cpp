@@ -10,7 +10,7 @@
 #include "closed_bodies.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/ray_tracer.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 
 /** \brief Points of closed bodies, which have no border anywhere. Scene units. */
 namespace pcl_slim::measure {

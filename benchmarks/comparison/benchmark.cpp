@@ -12,7 +12,7 @@
 #include "comparison/treat.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 
 // pcl_slim_benchmark: time against error, SLIM compared with PCL's own classes.
 

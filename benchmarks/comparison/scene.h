@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/core/error.h"
 
 /** \brief SLIM compared with PCL's own classes: the same input points, the same truth for the

@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {

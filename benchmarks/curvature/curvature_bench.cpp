@@ -10,7 +10,7 @@
 #include "common/run_program.h"
 #include "curvature/estimators.h"
 #include "fit/smoothed_points.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "rivals/jets.h"
 #include "rivals/point_tree.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/line_truth.h"
+#include "support/lab/line_truth.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::curvature {

@@ -11,7 +11,7 @@
 #include "common/run_program.h"
 #include "denoise/mesh_scan.h"
 #include "fit/smoothed_points.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/file_access.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"

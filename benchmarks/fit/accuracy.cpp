@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::measure {

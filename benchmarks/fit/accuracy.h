@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::measure {

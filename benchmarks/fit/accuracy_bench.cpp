@@ -6,8 +6,8 @@
 
 #include "common/run_program.h"
 #include "fit/accuracy.h"
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 
 namespace {
 

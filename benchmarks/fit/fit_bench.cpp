@@ -6,8 +6,8 @@
 
 #include "common/run_program.h"
 #include "fit/nanoflann_unit.h"
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/fit/fit.h"
 

@@ -5,8 +5,8 @@
 #include <nanoflann.hpp>
 
 #include "fit/float_cloud.h"
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::measure {
 

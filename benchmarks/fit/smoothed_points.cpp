@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::measure {
 

@@ -15,8 +15,8 @@
 
 #include "common/options.h"
 #include "line_run.h"
-#include "lab/bench.h"
-#include "lab/line_truth.h"
+#include "support/lab/bench.h"
+#include "support/lab/line_truth.h"
 #include "pcl_slim/cloud/knn.h"
 
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "line_run.h"
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim::lines_bench {

@@ -7,8 +7,8 @@
 
 #include "common/options.h"
 #include "line_run.h"
-#include "lab/line_truth.h"
-#include "lab/bench.h"
+#include "support/lab/line_truth.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/features/crest_lines.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "common/run_program.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/picture_lines.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "mesh/measures.h"
 #include "mesh/rivals.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "paper/svg.h"
 #include "pcl_slim/query/detail/ray_surfel.h"

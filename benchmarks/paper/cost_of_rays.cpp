@@ -2,7 +2,7 @@
 // What a frame costs by the number of primitives, of rays, and by degree (section 4).
 #include <cmath>
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"

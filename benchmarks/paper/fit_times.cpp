@@ -2,8 +2,8 @@
 // Times and counts of fits at the paper's T (Table 1).
 #include <cstdio>
 
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 #include "paper/study.h"
 #include "pcl_slim/surface/surface_io.h"
 

@@ -2,7 +2,7 @@
 // Shading along parabolic lines, where one curvature is 0, by degree at equal numbers of floats.
 #include <cmath>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "paper/study.h"
 
 namespace pcl_slim::paper {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/render/auto_view.h"

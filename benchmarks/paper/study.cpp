@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/file_access.h"
 #include "scan/cloud_file.h"
 

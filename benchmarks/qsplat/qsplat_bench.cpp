@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/render/shading.h"

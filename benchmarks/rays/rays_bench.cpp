@@ -10,7 +10,7 @@
 #include "camera/camera_rays.h"
 #include "common/options.h"
 #include "embree_tree.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/ray_tracer.h"

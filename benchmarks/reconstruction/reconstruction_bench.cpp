@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/options.h"
-#include "lab/bench.h"
-#include "lab/mesh_error.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/mesh_error.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "reconstruction/rivals.h"

@@ -10,7 +10,7 @@
 #include "comparison/mesh_surface.h"
 #include "borders/drawn_area.h"
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "mesh/bench_mesh.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"

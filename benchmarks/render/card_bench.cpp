@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/surface/surface_io.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/visualization/pcl_visualizer.h"
 #include "pcl_slim/visualization/slim_mapper.h"

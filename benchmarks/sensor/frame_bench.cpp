@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 #include "rivals/mls.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/run_program.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "sensor/sensor_errors.h"
 #include "sensor/sensor_rows.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fit/accuracy.h"
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::measure {

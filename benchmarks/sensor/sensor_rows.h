@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 
 namespace pcl_slim::measure {
 

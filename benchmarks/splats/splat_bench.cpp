@@ -22,8 +22,8 @@
 #include <vector>
 
 #include "common/run_program.h"
-#include "lab/bench.h"
-#include "lab/scenes.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/splat_sampling.h"
 

@@ -7,7 +7,7 @@
 
 #include "common/run_program.h"
 #include "fit/smoothed_points.h"
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"
 #include "thin/thin_scenes.h"

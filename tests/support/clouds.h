@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
 #include "support/array_view.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 
 /** \brief A street as a lidar on a car scans it while the car drives round a corner. Metres, seconds. */
 namespace pcl_slim_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/bench.h"
+#include "support/lab/bench.h"
 
 #include <malloc.h>
 #include <sys/resource.h>
@@ -16,7 +16,7 @@
 #include <string>
 
 #include "hwy/targets.h"
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::measure {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "lab/line_truth.h"
+#include "support/lab/line_truth.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/core/vector3.h"
 
 /** \brief Exact crest lines of analytic surfaces, by brute force: what traced lines are measured against. */

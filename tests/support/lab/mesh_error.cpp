@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/mesh_error.h"
+#include "support/lab/mesh_error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
 namespace pcl_slim::measure {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/scenes.h"
+#include "support/lab/scenes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 
 #include <cmath>
 #include <limits>

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 #include "noise/patch_scale.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/noise_level.h"

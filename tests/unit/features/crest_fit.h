@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lab/line_truth.h"
+#include "support/lab/line_truth.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "support/clouds.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "lab/sensor.h"
+#include "support/lab/sensor.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "lab/mesh_error.h"
+#include "support/lab/mesh_error.h"
 #include "support/clouds.h"
 #include "support/sphere_surface.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "camera/camera_rays.h"
-#include "lab/line_truth.h"
+#include "support/lab/line_truth.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/picture_lines.h"
 
