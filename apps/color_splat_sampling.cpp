@@ -28,9 +28,7 @@ struct Settings {
   bool neighbors_given = false;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
@@ -79,9 +77,7 @@ declareOptions(Settings& s)
 }
 
 /** Transfers the options to the parameters and checks what needs no input. */
-Error
-finishSettings(Settings& s)
-{
+Error finishSettings(Settings& s) {
   s.params.min_points = static_cast<std::uint32_t>(s.min_points);
   if (s.color == "gradient") s.params.color = SplatColor::kGradient;
   if (s.color == "own") s.params.color = SplatColor::kOwn;
@@ -92,9 +88,7 @@ finishSettings(Settings& s)
   return s.params.validate();
 }
 
-void
-reportSplats(const SplatStatistics& st, bool has_colors, Report& report)
-{
+void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
   report.add({{"splats", st.splats},
               {"colors", has_colors},
               {"normals_estimated", st.normals_estimated},
@@ -115,9 +109,8 @@ reportSplats(const SplatStatistics& st, bool has_colors, Report& report)
   report.time("build", st.seconds_splats);
 }
 
-Error
-sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, SplatSet& splats)
-{
+Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& report,
+             SplatSet& splats) {
   for (std::size_t a = 0; a < 3; ++a) {
     s.params.viewpoint[a] = s.scan.viewpoint.size() == 3 ? s.scan.viewpoint[a] : cloud.sensor()[a];
   }
@@ -148,10 +141,8 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
   return {};
 }
 
-Error
-lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, Console& console,
-             Report& report)
-{
+Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats,
+                   Console& console, Report& report) {
   if (s.rays == 0) return {};
   console.begin("Looking for holes");
   const Result<PointStore> store = PointStore::build(cloud.view(false), s.params.threads);
@@ -175,10 +166,8 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   return {};
 }
 
-Error
-makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report,
-           ScanResult& result)
-{
+Error makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report,
+                 ScanResult& result) {
   const auto splats = std::make_shared<SplatSet>();
   if (Error error = sample(s, cloud, console, report, *splats)) return error;
   if (console.interrupted()) return {};
@@ -192,9 +181,7 @@ makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   const ScanSteps steps = {

@@ -13,9 +13,7 @@ namespace {
 
 using namespace pcl_slim;
 
-std::vector<std::string>
-fieldNames(bool directions)
-{
+std::vector<std::string> fieldNames(bool directions) {
   std::vector<std::string> names = {"k1",       "k2",       "mean_curvature", "gaussian_curvature",
                                     "normal_x", "normal_y", "normal_z"};
   if (!directions) return names;
@@ -28,9 +26,7 @@ fieldNames(bool directions)
 using Values = std::array<float, 13>;
 
 /** The values of a point, in the order of fieldNames(). */
-Values
-valuesOf(const ProjectedPoint& point)
-{
+Values valuesOf(const ProjectedPoint& point) {
   const auto& n = point.normal;
   const auto& d1 = point.principal.direction1;
   const auto& d2 = point.principal.direction2;
@@ -49,10 +45,8 @@ valuesOf(const ProjectedPoint& point)
           d2[2]};
 }
 
-PointFile
-withCurvatures(const PointFile& file, const CloudProjection& projection, bool directions,
-               int threads)
-{
+PointFile withCurvatures(const PointFile& file, const CloudProjection& projection, bool directions,
+                         int threads) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   const std::vector<std::string> names = fieldNames(directions);
   PointFile made = withRealFields(file, names, pcl::PCLPointField::FLOAT32);
@@ -73,9 +67,7 @@ withCurvatures(const PointFile& file, const CloudProjection& projection, bool di
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   ProjectionJob job;
   job.projection.directions = true;
   return runProjectionProgram(

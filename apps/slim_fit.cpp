@@ -3,8 +3,6 @@
 #include "pcl_slim/version.h"
 #include "scan/fit_program.h"
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return pcl_slim::runFitProgram("pcl_slim_fit", PCL_SLIM_VERSION, argc, argv);
 }

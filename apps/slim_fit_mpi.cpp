@@ -18,9 +18,7 @@ constexpr double kPatience =
     1.0;  ///< seconds that a rank which failed waits for others to end, too
 
 /** Whether the arguments are for one process alone, as -h is. */
-bool
-isForOne(const std::vector<std::string>& arguments)
-{
+bool isForOne(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     for (const char* option : {"-h", "-help", "-version", "-help-markdown"}) {
       if (argument == option) return true;
@@ -32,8 +30,7 @@ isForOne(const std::vector<std::string>& arguments)
 /** Keeps what a rank but the first prints, for the one whose failure is to be read. */
 class KeptOutput {
  public:
-  explicit KeptOutput(bool keeps)
-  {
+  explicit KeptOutput(bool keeps) {
     if (!keeps || (file_ = std::tmpfile()) == nullptr) return;
     out_ = dup(STDOUT_FILENO);
     error_ = dup(STDERR_FILENO);
@@ -41,8 +38,7 @@ class KeptOutput {
     dup2(fileno(file_), STDERR_FILENO);
   }
 
-  void print()
-  {
+  void print() {
     if (file_ == nullptr) return;
     std::fflush(nullptr);
     dup2(out_, STDOUT_FILENO);
@@ -56,11 +52,9 @@ class KeptOutput {
   int out_ = -1, error_ = -1;
 };
 
-/** Ends all ranks together. The first rank that failed prints the error; if others still work, or wait
- * for it, it ends them. \return what all exit with */
-int
-settle(int rank, int ranks, int status, KeptOutput& output)
-{
+/** Ends all ranks together. The first rank that failed prints the error; if others still work, or
+ * wait for it, it ends them. \return what all exit with */
+int settle(int rank, int ranks, int status, KeptOutput& output) {
   const int own[2] = {status == 0 ? ranks : rank, status};
   int first[2] = {};
   MPI_Request request;
@@ -76,9 +70,7 @@ settle(int rank, int ranks, int status, KeptOutput& output)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   int provided = 0, rank = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -27,9 +27,7 @@ struct Settings {
   std::vector<double> view, up;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_slim_lines", PCL_SLIM_VERSION,
                       "Traces the ridges and ravines of a scan as polylines.");
   options.positional("IN", &s.files.input, kScanHelp);
@@ -49,9 +47,7 @@ declareOptions(Settings& s)
 }
 
 /** Checks the options that can be checked before the input is read. */
-Error
-checkSettings(Settings& s)
-{
+Error checkSettings(Settings& s) {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkCrestExtension(s.files.output)) return error;
   if (Error error =
@@ -64,9 +60,7 @@ checkSettings(Settings& s)
   return s.crest.validate();
 }
 
-CrestView
-viewOf(const Settings& s, const SLIMSurface& surface)
-{
+CrestView viewOf(const Settings& s, const SLIMSurface& surface) {
   CrestView view;
   view.surface = &surface;
   if (!s.view.empty()) std::copy(s.view.begin(), s.view.end(), view.toward_viewer.begin());
@@ -74,9 +68,7 @@ viewOf(const Settings& s, const SLIMSurface& surface)
   return view;
 }
 
-void
-reportLines(const CrestLines& lines, const CrestStatistics& statistics, Report& report)
-{
+void reportLines(const CrestLines& lines, const CrestStatistics& statistics, Report& report) {
   auto& json = report.json();
   double length = 0;
   for (const double l : lines.length) length += l;
@@ -100,10 +92,8 @@ reportLines(const CrestLines& lines, const CrestStatistics& statistics, Report& 
 }
 
 /** The scan's points, brought onto the surface. */
-Error
-project(const Settings& s, const PointStore& store, const SLIMSurface& surface, Console& console,
-        Report& report, Projection& projection)
-{
+Error project(const Settings& s, const PointStore& store, const SLIMSurface& surface,
+              Console& console, Report& report, Projection& projection) {
   console.begin("Projecting");
   ProjectionParams params;
   params.extremality = true;
@@ -126,10 +116,8 @@ project(const Settings& s, const PointStore& store, const SLIMSurface& surface, 
   return {};
 }
 
-Error
-trace(const Settings& s, const PointStore& store, const SLIMSurface& surface, Console& console,
-      Report& report, CrestLines& lines)
-{
+Error trace(const Settings& s, const PointStore& store, const SLIMSurface& surface,
+            Console& console, Report& report, CrestLines& lines) {
   Projection projection;
   if (Error error = project(s, store, surface, console, report, projection)) return error;
   console.begin("Tracing");
@@ -147,18 +135,14 @@ trace(const Settings& s, const PointStore& store, const SLIMSurface& surface, Co
   return {};
 }
 
-Result<PointStore>
-storeOf(const Settings& s, const CloudFile& cloud)
-{
+Result<PointStore> storeOf(const Settings& s, const CloudFile& cloud) {
   return PointStore::build(cloud.view(s.job.use_normals || s.job.normal_neighbours > 0),
                            s.job.params.threads);
 }
 
 /** The surface of the scan, fitted or read, and the scan's store. */
-Error
-prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Console& console,
-        Report& report, SLIMSurface& surface, PointStore& store)
-{
+Error prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Console& console,
+              Report& report, SLIMSurface& surface, PointStore& store) {
   if (given == nullptr) return fitScan(s.job, cloud, console, report, surface, &store);
   surface = *given;
   Result<PointStore> built = storeOf(s, cloud);
@@ -168,10 +152,8 @@ prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Con
   return {};
 }
 
-Error
-makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cloud, Console& console,
-          Report& report, ScanResult& result)
-{
+Error makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cloud,
+                Console& console, Report& report, ScanResult& result) {
   const auto surface = std::make_shared<SLIMSurface>();
   const auto lines = std::make_shared<CrestLines>();
   PointStore store;
@@ -187,9 +169,7 @@ makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cloud, C
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   Result<SLIMSurface> given = SLIMSurface();

@@ -31,9 +31,7 @@ struct Settings {
   std::optional<bool> color;  ///< not given: where there are colours
 };
 
-void
-declareMeshOptions(OptionTable& options, Settings& s)
-{
+void declareMeshOptions(OptionTable& options, Settings& s) {
   options.number("tol", &s.mesh.tolerance, 0, 1e12,
                  "largest distance between mesh and surface, in units of the scan",
                  "a quarter of the noise, at least 1e-4 of the box diagonal");
@@ -53,9 +51,7 @@ declareMeshOptions(OptionTable& options, Settings& s)
   options.exclusive({"tol", "tol_noise"});
 }
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_slim_mesh", PCL_SLIM_VERSION,
                       "Makes a triangle mesh of a scan's SLIM surface.");
   options.positional("IN.pcd|.ply|.slim|.vtp", &s.files.input,
@@ -68,9 +64,7 @@ declareOptions(Settings& s)
 }
 
 /** Checks the options that can be checked before the input is read. */
-Error
-checkSettings(Settings& s)
-{
+Error checkSettings(Settings& s) {
   s.job.params.trim = s.mesh.trim;
   if (s.mesh.hole_size > 0) {
     s.job.params.hole_size = std::clamp(s.mesh.hole_size, kLeastHole, kUsualHole);
@@ -91,9 +85,8 @@ struct Given {
 };
 
 /** \param[in] cloud the input's points; null for a .slim. */
-Error
-loadGiven(const Settings& s, const CloudFile* cloud, Console& console, Report& report, Given& given)
-{
+Error loadGiven(const Settings& s, const CloudFile* cloud, Console& console, Report& report,
+                Given& given) {
   given.is_input = holdsSurface(s.files.input, cloud);
   given.any = given.is_input || !s.surface.empty();
   if (!given.is_input) {
@@ -113,9 +106,7 @@ loadGiven(const Settings& s, const CloudFile* cloud, Console& console, Report& r
           "the surface has no colours: name its scan, with -surface " + s.files.input};
 }
 
-void
-reportMesh(const MeshStatistics& m, Report& report)
-{
+void reportMesh(const MeshStatistics& m, Report& report) {
   const MeshCensus& c = m.census;
   report.add({{"triangles", c.triangles},
               {"vertices", c.vertices},
@@ -137,9 +128,7 @@ reportMesh(const MeshStatistics& m, Report& report)
 }
 
 /** "closed, 1 component" and what was left out. */
-void
-noteMesh(const MeshStatistics& m, Console& console)
-{
+void noteMesh(const MeshStatistics& m, Console& console) {
   const MeshCensus& c = m.census;
   const std::string border =
       c.border_edges == 0 ? "closed" : "open, " + counted(c.border_edges, "border edge");
@@ -151,10 +140,8 @@ noteMesh(const MeshStatistics& m, Console& console)
 }
 
 /** \param[in] sharp the surface whose sharp edges the mesh shall have, or null. */
-Error
-triangulate(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp,
-            Console& console, Report& report, TriangleMesh& mesh)
-{
+Error triangulate(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp,
+                  Console& console, Report& report, TriangleMesh& mesh) {
   console.begin("Meshing");
   MeshParams params = s.mesh;
   params.sharp = sharp;
@@ -178,19 +165,15 @@ triangulate(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sh
 }
 
 /** Whether the mesh gets the edges of a second, sharp fit: that needs the scan and its normals. */
-bool
-isSharpened(const Settings& s, const CloudFile* scan)
-{
+bool isSharpened(const Settings& s, const CloudFile* scan) {
   return s.job.params.sharp_features && scan != nullptr &&
          (s.job.use_normals || s.job.normal_neighbours > 0) &&
          scan->normal_source != NormalSource::kNothing;
 }
 
 /** \param[in] scan null: the input is a surface. */
-Error
-makeMesh(const Settings& s, const Given& given, const CloudFile* scan, Console& console,
-         Report& report, TriangleMesh& mesh)
-{
+Error makeMesh(const Settings& s, const Given& given, const CloudFile* scan, Console& console,
+               Report& report, TriangleMesh& mesh) {
   SLIMSurface fitted, sharp;
   const bool sharpened = isSharpened(s, scan);
   if (sharpened) {
@@ -215,10 +198,8 @@ makeMesh(const Settings& s, const Given& given, const CloudFile* scan, Console& 
   return {};
 }
 
-Error
-work(const Settings& s, const Given& given, const CloudFile* cloud, Console& console,
-     Report& report, ScanResult& result)
-{
+Error work(const Settings& s, const Given& given, const CloudFile* cloud, Console& console,
+           Report& report, ScanResult& result) {
   const auto mesh = std::make_shared<TriangleMesh>();
   const CloudFile* scan = given.is_input ? nullptr : cloud;
   if (Error error = makeMesh(s, given, scan, console, report, *mesh)) return error;
@@ -234,9 +215,7 @@ work(const Settings& s, const Given& given, const CloudFile* cloud, Console& con
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   Given given;

@@ -37,9 +37,7 @@ struct Settings {
   bool filtered = true, trim = true, skip = true, quiet = false;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
                     "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats into a "
                     "picture or a page for browsers; no X server needed.");
@@ -76,17 +74,13 @@ declareOptions(Settings& s)
   return table;
 }
 
-VisibleSides
-sidesOf(const Settings& s)
-{
+VisibleSides sidesOf(const Settings& s) {
   return s.sides == "front"  ? VisibleSides::kFront
          : s.sides == "both" ? VisibleSides::kBoth
                              : VisibleSides::kAuto;
 }
 
-RenderParams
-renderingOf(const Settings& s)
-{
+RenderParams renderingOf(const Settings& s) {
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
@@ -99,9 +93,8 @@ renderingOf(const Settings& s)
 }
 
 /** What -repeat measured. */
-Error
-reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Report& report)
-{
+Error reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
+                   Report& report) {
   if (s.repeat == 0) return {};
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderParams rendering = renderingOf(s);
@@ -117,9 +110,8 @@ reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
  * camera and the report.
  * \param[in] draw Result<Image>(const Camera&) */
 template <typename Draw>
-Error
-renderTurns(const Settings& s, const Turntable& table, double& save_seconds, const Draw& draw)
-{
+Error renderTurns(const Settings& s, const Turntable& table, double& save_seconds,
+                  const Draw& draw) {
   for (int turn = 0; turn < table.count(); ++turn) {
     const Result<Image> image = draw(table.camera(turn));
     if (!image) return image.error();
@@ -135,19 +127,15 @@ renderTurns(const Settings& s, const Turntable& table, double& save_seconds, con
 }
 
 /** A picture with the requested lines drawn over it. */
-Result<Image>
-withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Result<Image> image,
-          std::size_t& count)
-{
+Result<Image> withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
+                        Result<Image> image, std::size_t& count) {
   if (!image || !s.lines.any()) return image;
   const Error error = s.lines.draw(renderer, camera, renderingOf(s), *image, count);
   return error ? Result<Image>(error) : image;
 }
 
-Error
-renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
-                   double& save_seconds)
-{
+Error renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table,
+                         Report& report, double& save_seconds) {
   SurfaceRenderer renderer(model.surface, s.threads);
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderStatistics total;
@@ -164,9 +152,7 @@ renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table
   return error;
 }
 
-DiscRenderParams
-discsOf(const Settings& s)
-{
+DiscRenderParams discsOf(const Settings& s) {
   DiscRenderParams params;
   params.filtered = s.filtered;
   params.sides = sidesOf(s);
@@ -176,10 +162,8 @@ discsOf(const Settings& s)
   return params;
 }
 
-Error
-renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
-                 double& save_seconds)
-{
+Error renderSplatModel(const Settings& s, const Model& model, const Turntable& table,
+                       Report& report, double& save_seconds) {
   const DiscRenderParams params = discsOf(s);
   const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
   DiscRenderStatistics total;
@@ -193,9 +177,7 @@ renderSplatModel(const Settings& s, const Model& model, const Turntable& table, 
   return error;
 }
 
-TraceParams
-tracingOf(const Settings& s)
-{
+TraceParams tracingOf(const Settings& s) {
   constexpr int kOcclusionRays = 4;  // in each of the frames of -aa
   TraceParams params;
   params.sides = sidesOf(s);
@@ -207,10 +189,8 @@ tracingOf(const Settings& s)
   return params;
 }
 
-Error
-renderTracedModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
-                  double& save_seconds, Progress& progress)
-{
+Error renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
+                        Report& report, double& save_seconds, Progress& progress) {
   RayTracer tracer =
       model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
   TraceParams params = tracingOf(s);
@@ -232,25 +212,19 @@ renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
   return error;
 }
 
-int
-fail(Console& console, int status, const Error& error)
-{
+int fail(Console& console, int status, const Error& error) {
   return pcl_slim::fail("pcl_slim_render", status, console.failed(error).message);
 }
 
-int
-statusOf(const Error& error)
-{
+int statusOf(const Error& error) {
   return error.code == ErrorCode::kBadArgument ? kExitUsage
          : error.code == ErrorCode::kCancelled ? kExitInterrupted
                                                : kExitFailed;
 }
 
 /** Writes a page in place of a picture. */
-Error
-writePage(const Settings& s, const Model& model, const Camera& camera, Console& console,
-          Report& report)
-{
+Error writePage(const Settings& s, const Model& model, const Camera& camera, Console& console,
+                Report& report) {
   console.begin("Writing " + s.output);
   PageParams params;
   params.title = PageRequest::titleOf(s.input);
@@ -272,10 +246,8 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
 }
 
 /** Draws and saves, and notes how long each took. */
-Error
-renderModel(const Settings& s, const Model& model, const Turntable& table, Console& console,
-            Report& report)
-{
+Error renderModel(const Settings& s, const Model& model, const Turntable& table, Console& console,
+                  Report& report) {
   console.begin("Rendering " + s.view.size_text);
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
@@ -293,37 +265,30 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
-/** Whether one camera sees all that is drawn: rays of traced pictures, turned cameras and pages go elsewhere,
- * too. */
-bool
-hasOneView(const Settings& s)
-{
+/** Whether one camera sees all that is drawn: rays of traced pictures, turned cameras and pages go
+ * elsewhere, too. */
+bool hasOneView(const Settings& s) {
   return s.turntable == 1 && !s.picture.isTraced() && !PageRequest::isPage(s.output);
 }
 
 /** The view with room for a bar of colours, where there is one. */
-ViewRequest
-viewBesideBar(const Settings& s, const ShadingParams& shading)
-{
+ViewRequest viewBesideBar(const Settings& s, const ShadingParams& shading) {
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
   return view;
 }
 
 /** Which blocks of a surface a picture may show: those that the region and a camera given meet. */
-bool
-wantsBlock(const Settings& s, const WorldBox& box)
-{
+bool wantsBlock(const Settings& s, const WorldBox& box) {
   if (PageRequest::isPage(s.output)) return true;
   if (!s.region.sides.empty() && !boxesMeet(box, s.region.box())) return false;
   return !hasOneView(s) || !s.view.given || mayBeSeen(*s.view.given, box);
 }
 
-/** What of a surface in blocks is read. With level of detail a camera of the program's own choice looks at
- * the levels above the tiles, unless a region has to be found first, and is a given one from then on. */
-BlockWish
-blocksFor(Settings& s, bool& opens)
-{
+/** What of a surface in blocks is read. With level of detail a camera of the program's own choice
+ * looks at the levels above the tiles, unless a region has to be found first, and is a given one
+ * from then on. */
+BlockWish blocksFor(Settings& s, bool& opens) {
   BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); }, s.lod, {}};
   if (!hasOneView(s) || (!s.view.given && !s.region.sides.empty())) return wish;
   wish.camera = [&s, &opens](const BoundingSpheres& above) {
@@ -334,9 +299,7 @@ blocksFor(Settings& s, bool& opens)
   return wish;
 }
 
-int
-run(Settings& s, const OptionTable& options)
-{
+int run(Settings& s, const OptionTable& options) {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
   const std::string output = Turntable::path(s.output, 0, s.turntable);
@@ -393,9 +356,7 @@ run(Settings& s, const OptionTable& options)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings settings;
   OptionTable table = declareOptions(settings);
   if (const auto status = table.parse(argc, argv)) return *status;

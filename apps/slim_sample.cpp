@@ -24,9 +24,7 @@ struct Settings {
   SurfaceSampleParams sampling;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_slim_sample", PCL_SLIM_VERSION,
                       "Spreads points evenly over the SLIM surface of a scan: blue noise.");
   options.positional("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
@@ -45,9 +43,7 @@ declareOptions(Settings& s)
 }
 
 /** Checks the options that can be checked before the input is read. */
-Error
-checkSettings(Settings& s)
-{
+Error checkSettings(Settings& s) {
   if (Error error = finishFitOptions(s.job)) return error;
   s.sampling.seed = s.job.params.seed;
   s.sampling.threads = s.job.params.threads;
@@ -59,9 +55,7 @@ checkSettings(Settings& s)
 }
 
 /** Points are doubles where floats would move them by a share of their spacing. */
-PointFile
-toFile(const SurfaceSamples& samples)
-{
+PointFile toFile(const SurfaceSamples& samples) {
   constexpr double kShare = 1e-4;
   double largest = 0;
   for (const auto& p : samples.position) {
@@ -94,10 +88,8 @@ toFile(const SurfaceSamples& samples)
 }
 
 /** \param[in] cloud the input's points, a scan's or a surface's; null for a .slim. */
-Error
-sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console& console, Report& report,
-       ScanResult& result)
-{
+Error sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console& console,
+             Report& report, ScanResult& result) {
   SLIMSurface surface;
   if (holdsSurface(s.files.input, cloud)) {
     if (Error error = loadGiven(s.files.input, console, report, surface)) return error;
@@ -123,9 +115,7 @@ sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console& cons
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   const ScanSteps steps = {

@@ -14,16 +14,14 @@ using namespace pcl_slim;
 /** The output's fields that a projection fills. */
 class SmoothFields {
  public:
-  SmoothFields(pcl::PCLPointCloud2& cloud, bool normals) : normals_(normals)
-  {
+  SmoothFields(pcl::PCLPointCloud2& cloud, bool normals) : normals_(normals) {
     for (const char* name : {"x", "y", "z"}) position_.emplace_back(cloud, name);
     if (!normals) return;
     for (const char* name : {"normal_x", "normal_y", "normal_z"}) normal_.emplace_back(cloud, name);
     normal_.emplace_back(cloud, "curvature");
   }
 
-  void move(std::size_t i, const ProjectedPoint& point) const
-  {
+  void move(std::size_t i, const ProjectedPoint& point) const {
     for (std::size_t a = 0; a < 3; ++a) {
       position_[a].set(i, point.position[a]);
       if (normals_) normal_[a].set(i, point.normal[a]);
@@ -31,8 +29,7 @@ class SmoothFields {
     if (normals_) normal_[3].set(i, point.mean_curvature);
   }
 
-  void clearNormal(std::size_t i) const
-  {
+  void clearNormal(std::size_t i) const {
     for (const FieldWriter& field : normal_) field.set(i, std::numeric_limits<float>::quiet_NaN());
   }
 
@@ -41,9 +38,8 @@ class SmoothFields {
   std::vector<FieldWriter> position_, normal_;
 };
 
-PointFile
-smoothed(const PointFile& file, const CloudProjection& projection, bool normals, int threads)
-{
+PointFile smoothed(const PointFile& file, const CloudProjection& projection, bool normals,
+                   int threads) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   // Integer coordinates cannot represent the points' new positions.
   PointFile made = withRealFields(file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
@@ -63,9 +59,7 @@ smoothed(const PointFile& file, const CloudProjection& projection, bool normals,
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   ProjectionJob job;
   return runProjectionProgram(
       {"pcl_slim_smooth", PCL_SLIM_VERSION,

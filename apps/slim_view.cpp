@@ -24,9 +24,7 @@ struct Settings {
   bool quiet = false;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable table(
       kProgram, PCL_SLIM_VERSION,
       "Shows a SLIM surface (.pcd .ply .vtp .slim), splats (.pcd .ply .vtp) or a scan "
@@ -69,9 +67,7 @@ declareOptions(Settings& s)
 }
 
 /** \brief A window for a scan, whose surface comes while the points are shown. */
-int
-showScan(const Settings& s, const CloudFile& cloud, Console& console)
-{
+int showScan(const Settings& s, const CloudFile& cloud, Console& console) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   viewer.scene().setPoints(cloud.view(s.fit.use_normals),
                            s.fit.color ? colorsOf(cloud) : ColorView());
@@ -92,9 +88,7 @@ showScan(const Settings& s, const CloudFile& cloud, Console& console)
   return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
 }
 
-int
-showModel(const Settings& s, Model& model)
-{
+int showModel(const Settings& s, Model& model) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   if (model.is_splats) {
     viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
@@ -114,9 +108,7 @@ showModel(const Settings& s, Model& model)
   return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
 }
 
-int
-run(const Settings& s)
-{
+int run(const Settings& s) {
   if (!s.screenshot.empty()) {
     if (Error error = checkWritable(s.screenshot)) {
       return fail(kProgram, kExitFailed, error.message);
@@ -144,9 +136,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings settings;
   OptionTable table = declareOptions(settings);
   if (const auto status = table.parse(argc, argv)) return *status;

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <iostream>
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "Syntax is: " << argv[0] << " scan.pcd surface.slim\n";
     return 2;

@@ -5,9 +5,7 @@
 
 #include <iostream>
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "Syntax is: " << argv[0] << " scan.pcd smooth.pcd\n";
     return 2;

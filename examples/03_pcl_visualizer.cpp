@@ -8,9 +8,7 @@
 #include <iostream>
 #include <string>
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 2) {
     std::cerr << "Syntax is: " << argv[0] << " scan.pcd\n";
     return 2;

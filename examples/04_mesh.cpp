@@ -6,9 +6,7 @@
 
 #include <iostream>
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "Syntax is: " << argv[0] << " scan.pcd mesh.ply\n";
     return 2;

@@ -8,9 +8,7 @@
 #include <iostream>
 #include <vector>
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "Syntax is: " << argv[0] << " scan.xyz smooth.xyz\n";
     return 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PCL's filters and normals before, pcl_slim in the middle, PCLVisualizer at the end: a coloured scan is cut
-// to a box, thinned, cleaned, fitted, smoothed and drawn as a surface beside splats.
+// PCL's filters and normals before, pcl_slim in the middle, PCLVisualizer at the end: a coloured
+// scan is cut to a box, thinned, cleaned, fitted, smoothed and drawn as a surface beside splats.
 #include <pcl/features/normal_3d_omp.h>
 #include <pcl/filters/passthrough.h>
 #include <pcl/filters/statistical_outlier_removal.h>
@@ -21,10 +21,9 @@
 using Point = pcl::PointXYZRGB;
 using Cloud = pcl::PointCloud<Point>;
 
-/** The points within Z of the sensor, one for each cell of a grid, without those that stand apart. */
-Cloud::Ptr
-cleaned(const Cloud::Ptr& scan, float far, float leaf)
-{
+/** The points within Z of the sensor, one for each cell of a grid, without those that stand apart.
+ */
+Cloud::Ptr cleaned(const Cloud::Ptr& scan, float far, float leaf) {
   auto cloud = std::make_shared<Cloud>();
   pcl::PassThrough<Point> pass;
   pass.setInputCloud(scan);
@@ -47,10 +46,9 @@ cleaned(const Cloud::Ptr& scan, float far, float leaf)
 }
 
 /** Cloud, surface and splats side by side, seen from the sensor. */
-void
-show(const Cloud::Ptr& cloud, const pcl_slim::SLIMSurface& surface,
-     const pcl::PointCloud<pcl::PointSurfel>& splats, pcl::visualization::PCLVisualizer& viewer)
-{
+void show(const Cloud::Ptr& cloud, const pcl_slim::SLIMSurface& surface,
+          const pcl::PointCloud<pcl::PointSurfel>& splats,
+          pcl::visualization::PCLVisualizer& viewer) {
   viewer.setSize(1500, 380);
   int left = 0, middle = 0, right = 0;
   viewer.createViewPort(0.0, 0.0, 1.0 / 3, 1.0, left);
@@ -65,9 +63,7 @@ show(const Cloud::Ptr& cloud, const pcl_slim::SLIMSurface& surface,
   viewer.setCameraFieldOfView(0.35);
 }
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc < 4) {
     std::cerr << "Syntax is: " << argv[0] << " scan.pcd FAR LEAF [picture.png]\n";
     return 2;

@@ -8,17 +8,15 @@
 #include <numeric>
 #include <sstream>
 
-// The list of options and its uses: help, documentation, and the option that an unknown one resembles. Then the
-// command line into the options' targets.
+// The list of options and its uses: help, documentation, and the option that an unknown one
+// resembles. Then the command line into the options' targets.
 
 namespace pcl_slim {
 
 namespace {
 
 /** Number of single-letter edits between two words. */
-std::size_t
-editDistance(const std::string& a, const std::string& b)
-{
+std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -34,17 +32,13 @@ editDistance(const std::string& a, const std::string& b)
 }
 
 /** "1 to 4, " for whole numbers of a small range: what a help line can show. */
-std::string
-smallRange(bool whole, double low, double high)
-{
+std::string smallRange(bool whole, double low, double high) {
   return whole && high <= 10000 ? numberText(low) + " to " + numberText(high) + ", "
                                 : std::string();
 }
 
 /** One argument of the help: its name, then its meaning in lines that end before column 80. */
-std::string
-helpRow(const std::string& name, const std::string& meaning)
-{
+std::string helpRow(const std::string& name, const std::string& meaning) {
   constexpr std::size_t kIndent = 28, kColumns = 79;
   std::string text = "  " + name;
   if (text.size() + 2 > kIndent) text += "\n";
@@ -65,13 +59,10 @@ helpRow(const std::string& name, const std::string& meaning)
 }  // namespace
 
 OptionTable::OptionTable(std::string program, std::string version, std::string summary)
-    : program_(std::move(program)), version_(std::move(version)), summary_(std::move(summary))
-{
-}
+    : program_(std::move(program)), version_(std::move(version)), summary_(std::move(summary)) {}
 
-OptionTable::Option&
-OptionTable::add(const std::string& name, Kind kind, void* target, const std::string& help)
-{
+OptionTable::Option& OptionTable::add(const std::string& name, Kind kind, void* target,
+                                      const std::string& help) {
   Option option;
   option.name = name;
   option.kind = kind;
@@ -81,16 +72,13 @@ OptionTable::add(const std::string& name, Kind kind, void* target, const std::st
   return options_.back();
 }
 
-void
-OptionTable::positional(const std::string& name, std::string* target, const std::string& help)
-{
+void OptionTable::positional(const std::string& name, std::string* target,
+                             const std::string& help) {
   positionals_.push_back({name, help, target});
 }
 
-void
-OptionTable::integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
-                     const std::string& help, const std::string& unset)
-{
+void OptionTable::integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
+                          const std::string& help, const std::string& unset) {
   Option& option = add(name, Kind::kInteger, target, help);
   option.low = static_cast<double>(low);
   option.high = static_cast<double>(high);
@@ -98,10 +86,8 @@ OptionTable::integer(const std::string& name, int* target, std::int64_t low, std
   option.default_text = unset.empty() ? std::to_string(*target) : unset;
 }
 
-void
-OptionTable::integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
-                     std::uint64_t high, const std::string& help)
-{
+void OptionTable::integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
+                          std::uint64_t high, const std::string& help) {
   Option& option = add(name, Kind::kUnsigned, target, help);
   option.low = static_cast<double>(low);
   option.high = static_cast<double>(high);
@@ -109,10 +95,8 @@ OptionTable::integer(const std::string& name, std::uint64_t* target, std::uint64
   option.default_text = std::to_string(*target);
 }
 
-void
-OptionTable::number(const std::string& name, double* target, double low, double high,
-                    const std::string& help, const std::string& unset)
-{
+void OptionTable::number(const std::string& name, double* target, double low, double high,
+                         const std::string& help, const std::string& unset) {
   Option& option = add(name, Kind::kNumber, target, help);
   option.low = low;
   option.high = high;
@@ -121,42 +105,32 @@ OptionTable::number(const std::string& name, double* target, double low, double 
 }
 
 template <typename Target>
-void
-OptionTable::addSwitch(const std::string& name, Target* target, const std::string& default_text,
-                       const std::string& help)
-{
+void OptionTable::addSwitch(const std::string& name, Target* target,
+                            const std::string& default_text, const std::string& help) {
   Option& option = add(name, Kind::kToggle, target, help);
   option.value_name = "[0|1]";
   option.default_text = default_text;
   option.turn = [target](bool on) { *target = on; };
 }
 
-void
-OptionTable::toggle(const std::string& name, bool* target, const std::string& help)
-{
+void OptionTable::toggle(const std::string& name, bool* target, const std::string& help) {
   addSwitch(name, target, *target ? "1" : "0", help);
 }
 
-void
-OptionTable::toggle(const std::string& name, std::optional<bool>* target, const std::string& help,
-                    const std::string& unset)
-{
+void OptionTable::toggle(const std::string& name, std::optional<bool>* target,
+                         const std::string& help, const std::string& unset) {
   addSwitch(name, target, unset, help);
 }
 
-void
-OptionTable::text(const std::string& name, std::string* target, const std::string& value_name,
-                  const std::string& help)
-{
+void OptionTable::text(const std::string& name, std::string* target, const std::string& value_name,
+                       const std::string& help) {
   Option& option = add(name, Kind::kText, target, help);
   option.value_name = value_name;
   option.default_text = target->empty() ? "none" : *target;
 }
 
-void
-OptionTable::choice(const std::string& name, std::string* target,
-                    const std::vector<std::string>& words, const std::string& help)
-{
+void OptionTable::choice(const std::string& name, std::string* target,
+                         const std::vector<std::string>& words, const std::string& help) {
   Option& option = add(name, Kind::kChoice, target, help);
   option.words = words;
   for (const std::string& word : words) {
@@ -165,40 +139,30 @@ OptionTable::choice(const std::string& name, std::string* target,
   option.default_text = *target;
 }
 
-void
-OptionTable::numbers(const std::string& name, std::vector<double>* target,
-                     const std::string& value_name, const std::string& help)
-{
+void OptionTable::numbers(const std::string& name, std::vector<double>* target,
+                          const std::string& value_name, const std::string& help) {
   Option& option = add(name, Kind::kNumbers, target, help);
   option.value_name = value_name;
   option.default_text = "none";
 }
 
-void
-OptionTable::exclusive(const std::vector<std::string>& names)
-{
+void OptionTable::exclusive(const std::vector<std::string>& names) {
   exclusive_.push_back(names);
 }
 
-const OptionTable::Option*
-OptionTable::find(const std::string& name) const
-{
+const OptionTable::Option* OptionTable::find(const std::string& name) const {
   for (const Option& option : options_) {
     if (option.name == name) return &option;
   }
   return nullptr;
 }
 
-bool
-OptionTable::given(const std::string& name) const
-{
+bool OptionTable::given(const std::string& name) const {
   const Option* option = find(name);
   return option && option->given;
 }
 
-std::string
-OptionTable::nearestName(const std::string& name) const
-{
+std::string OptionTable::nearestName(const std::string& name) const {
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, name.size() / 2);
   for (const Option& option : options_) {
@@ -211,17 +175,13 @@ OptionTable::nearestName(const std::string& name) const
   return nearest;
 }
 
-std::string
-OptionTable::syntax() const
-{
+std::string OptionTable::syntax() const {
   std::string text = "Syntax is: " + program_;
   for (const Positional& positional : positionals_) text += " " + positional.name;
   return text + (options_.empty() ? "" : " <options>");
 }
 
-std::string
-OptionTable::help() const
-{
+std::string OptionTable::help() const {
   std::string text = syntax() + "\n" + summary_ + "\n\nArguments:\n";
   for (const Positional& p : positionals_) text += helpRow(p.name, p.help);
   text += "\nOptions:\n";
@@ -242,9 +202,7 @@ OptionTable::help() const
   return text;
 }
 
-std::string
-OptionTable::markdown() const
-{
+std::string OptionTable::markdown() const {
   const auto escaped = [](std::string text) {
     for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) {
       text.insert(i, "\\");
@@ -266,29 +224,21 @@ OptionTable::markdown() const
 namespace {
 
 template <typename T>
-bool
-parseWhole(const std::string& text, T& value)
-{
+bool parseWhole(const std::string& text, T& value) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   return result.ec == std::errc() && result.ptr == end;
 }
 
-bool
-parseNumber(const std::string& text, double& value)
-{
+bool parseNumber(const std::string& text, double& value) {
   return parseWhole(text, value) && std::isfinite(value);
 }
 
-std::size_t
-countParts(const std::string& text)
-{
+std::size_t countParts(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
 }
 
-bool
-parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values)
-{
+bool parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values) {
   std::vector<double> parsed;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
@@ -302,18 +252,14 @@ parseNumbers(const std::string& text, std::size_t count, std::vector<double>& va
   return true;
 }
 
-std::string
-rangeText(double low, double high)
-{
+std::string rangeText(double low, double high) {
   if (high >= 1e18) return low > -1e18 ? " of at least " + numberText(low) : std::string();
   return " from " + numberText(low) + " to " + numberText(high);
 }
 
 /** Stores a whole number; returns what is wanted instead, or an empty text. */
 template <typename T>
-std::string
-assignWhole(const std::string& text, double low, double high, void* target)
-{
+std::string assignWhole(const std::string& text, double low, double high, void* target) {
   T value = 0;
   const bool read = parseWhole(text, value);
   const auto v = static_cast<double>(value);
@@ -327,8 +273,7 @@ struct OptionWord {
   std::string name;
   std::optional<std::string> value;
 
-  explicit OptionWord(const std::string& word)
-  {
+  explicit OptionWord(const std::string& word) {
     const std::size_t begin = word[1] == '-' ? 2 : 1, equals = word.find('=');
     name = word.substr(begin, equals == std::string::npos ? equals : equals - begin);
     if (equals != std::string::npos) value = word.substr(equals + 1);
@@ -337,17 +282,13 @@ struct OptionWord {
 
 }  // namespace
 
-std::optional<bool>
-switchValue(const std::string& word)
-{
+std::optional<bool> switchValue(const std::string& word) {
   if (word == "1" || word == "true" || word == "on") return true;
   if (word == "0" || word == "false" || word == "off") return false;
   return std::nullopt;
 }
 
-std::vector<std::string>
-plainArguments(int argc, const char* const* argv)
-{
+std::vector<std::string> plainArguments(int argc, const char* const* argv) {
   std::vector<std::string> plain;
   for (int i = 0; i < argc; ++i) {
     const std::string word = argv[i];
@@ -363,9 +304,7 @@ plainArguments(int argc, const char* const* argv)
 }
 
 /** Stores a value; returns what the option wants instead, or an empty text. */
-std::string
-OptionTable::assign(Option& option, const std::string& value)
-{
+std::string OptionTable::assign(Option& option, const std::string& value) {
   switch (option.kind) {
     case Kind::kInteger: return assignWhole<int>(value, option.low, option.high, option.target);
     case Kind::kUnsigned:
@@ -400,9 +339,8 @@ OptionTable::assign(Option& option, const std::string& value)
 
 /** Takes an argument without a dash; the text returned, if any, is a mistake.
  * \param[in] bare the switch before it that has no value, or null. */
-std::string
-OptionTable::takePositional(const std::string& word, const Option* bare, std::size_t& next)
-{
+std::string OptionTable::takePositional(const std::string& word, const Option* bare,
+                                        std::size_t& next) {
   if (next < positionals_.size()) {
     *positionals_[next++].target = word;
     return "";
@@ -411,14 +349,12 @@ OptionTable::takePositional(const std::string& word, const Option* bare, std::si
   return "unexpected argument '" + word + "'; see " + program_ + " -h";
 }
 
-/** Takes an option and its value: the one after "=", or else the next argument if there is one. A switch
- * takes a 0 or 1 only, or a word for it; without one it is 1. A text is never the name of another
- * option: that one lacks a value.
+/** Takes an option and its value: the one after "=", or else the next argument if there is one. A
+ * switch takes a 0 or 1 only, or a word for it; without one it is 1. A text is never the name of
+ * another option: that one lacks a value.
  * \param[out] used whether the next argument was taken. */
-std::string
-OptionTable::takeOption(Option& option, const std::optional<std::string>& own,
-                        const char* following, bool& used)
-{
+std::string OptionTable::takeOption(Option& option, const std::optional<std::string>& own,
+                                    const char* following, bool& used) {
   if (option.given) return "option -" + option.name + " is given twice; give it once";
   option.given = true;
   const std::string next = following ? following : "";
@@ -437,9 +373,7 @@ OptionTable::takeOption(Option& option, const std::optional<std::string>& own,
 }
 
 /** Reads every argument; the text returned, if any, names the first mistake. */
-std::string
-OptionTable::parseArguments(int argc, const char* const* argv)
-{
+std::string OptionTable::parseArguments(int argc, const char* const* argv) {
   std::size_t next = 0;
   const Option* bare = nullptr;
   for (int i = 1; i < argc; ++i) {
@@ -463,17 +397,13 @@ OptionTable::parseArguments(int argc, const char* const* argv)
   return checkExclusive();
 }
 
-std::string
-OptionTable::unknownOption(const std::string& word) const
-{
+std::string OptionTable::unknownOption(const std::string& word) const {
   const std::string nearest = nearestName(OptionWord(word).name);
   const std::string hint = nearest.empty() ? "" : "did you mean -" + nearest + "? ";
   return "unknown option '" + word + "'; " + hint + "see " + program_ + " -h";
 }
 
-std::string
-OptionTable::checkExclusive() const
-{
+std::string OptionTable::checkExclusive() const {
   for (const auto& names : exclusive_) {
     std::string first;
     for (const std::string& name : names) {
@@ -486,9 +416,7 @@ OptionTable::checkExclusive() const
   return "";
 }
 
-std::optional<int>
-OptionTable::parse(int argc, const char* const* argv)
-{
+std::optional<int> OptionTable::parse(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     std::string answer;

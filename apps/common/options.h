@@ -24,10 +24,11 @@ enum ExitStatus : int {
 
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
- * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean the
- * same. A switch may come without a value: -quiet is -quiet 1. A 0, 1, true, false, on or off right after a
- * switch is always its value, so a file of that name is written ./0 there. A target's value at the
- * time of declaration is the default that the help shows; targets must outlive parse().
+ * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean
+ * the same. A switch may come without a value: -quiet is -quiet 1. A 0, 1, true, false, on or off
+ * right after a switch is always its value, so a file of that name is written ./0 there. A target's
+ * value at the time of declaration is the default that the help shows; targets must outlive
+ * parse().
  */
 class OptionTable {
  public:
@@ -119,27 +120,24 @@ class OptionTable {
   std::vector<std::vector<std::string>> exclusive_;
 };
 
-/** \brief What a word means to a switch: 1, true, on or 0, false, off; nothing if it means nothing. */
-std::optional<bool>
-switchValue(const std::string& word);
+/** \brief What a word means to a switch: 1, true, on or 0, false, off; nothing if it means nothing.
+ */
+std::optional<bool> switchValue(const std::string& word);
 
-/** \brief The same arguments with one dash and a separate value each: --name=value is -name value. */
-std::vector<std::string>
-plainArguments(int argc, const char* const* argv);
+/** \brief The same arguments with one dash and a separate value each: --name=value is -name value.
+ */
+std::vector<std::string> plainArguments(int argc, const char* const* argv);
 
-/** \brief A number in plain notation: at most a given number of significant digits, no needless zeros. */
-inline std::string
-numberText(double value, int digits = 6)
-{
+/** \brief A number in plain notation: at most a given number of significant digits, no needless
+ * zeros. */
+inline std::string numberText(double value, int digits = 6) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.*g", digits, value);
   return text;
 }
 
 /** \brief Reads finite numbers separated by single commas; nothing else may separate them. */
-inline bool
-parseNumberList(const std::string& text, std::vector<double>& values)
-{
+inline bool parseNumberList(const std::string& text, std::vector<double>& values) {
   const char* at = text.c_str();
   for (;;) {
     char* end = nullptr;

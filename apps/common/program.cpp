@@ -17,19 +17,15 @@ namespace pcl_slim {
 Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(!quiet && isatty(STDOUT_FILENO) == 1),
-      progress_([this](float fraction, const char* stage) { showBar(fraction, stage); })
-{
+      progress_([this](float fraction, const char* stage) { showBar(fraction, stage); }) {
   cancelOnSignals(&progress_);
 }
 
-Console::~Console()
-{
+Console::~Console() {
   cancelOnSignals(nullptr);
 }
 
-void
-Console::begin(const std::string& what)
-{
+void Console::begin(const std::string& what) {
   stage_ = Stopwatch();
   line_ = "> " + what + " ";
   if (quiet_) return;
@@ -37,18 +33,14 @@ Console::begin(const std::string& what)
   std::fflush(stdout);
 }
 
-void
-Console::done(double seconds, const std::string& detail)
-{
+void Console::done(double seconds, const std::string& detail) {
   if (quiet_) return;
   clearBar();
   std::printf("[done, %.4g ms : %s]\n", seconds * 1e3, detail.c_str());
   std::fflush(stdout);
 }
 
-Error
-Console::failed(const Error& error)
-{
+Error Console::failed(const Error& error) {
   if (quiet_) return error;
   clearBar();
   std::puts("[failed]");
@@ -56,22 +48,16 @@ Console::failed(const Error& error)
   return error;
 }
 
-void
-Console::note(const std::string& text)
-{
+void Console::note(const std::string& text) {
   if (!quiet_) std::printf("%s\n", text.c_str());
 }
 
-void
-Console::warn(const std::string& text)
-{
+void Console::warn(const std::string& text) {
   std::fflush(stdout);
   std::fprintf(stderr, "warning: %s\n", text.c_str());
 }
 
-void
-Console::showBar(float fraction, const char* stage)
-{
+void Console::showBar(float fraction, const char* stage) {
   if (!terminal_) return;
   const int percent = std::clamp(static_cast<int>(std::lround(fraction * 100.0f)), 0, 100);
   if (percent == shown_percent_ && shown_stage_ == stage) return;
@@ -85,9 +71,7 @@ Console::showBar(float fraction, const char* stage)
   std::fflush(stdout);
 }
 
-void
-Console::clearBar()
-{
+void Console::clearBar() {
   if (shown_percent_ < 0) return;
   shown_percent_ = -1;
   std::printf("\r\033[K%s", line_.c_str());
@@ -95,8 +79,7 @@ Console::clearBar()
 
 Report::Report(const std::string& program, const std::string& version, const std::string& input,
                int threads)
-    : json_(std::make_unique<nlohmann::ordered_json>())
-{
+    : json_(std::make_unique<nlohmann::ordered_json>()) {
   auto& json = *json_;
   json["program"] = program;
   json["version"] = version;
@@ -108,27 +91,19 @@ Report::Report(const std::string& program, const std::string& version, const std
 }
 
 Report::Report(const Report& other)
-    : total_(other.total_), json_(std::make_unique<nlohmann::ordered_json>(*other.json_))
-{
-}
+    : total_(other.total_), json_(std::make_unique<nlohmann::ordered_json>(*other.json_)) {}
 
 Report::~Report() = default;
 
-void
-Report::add(const nlohmann::ordered_json& values)
-{
+void Report::add(const nlohmann::ordered_json& values) {
   json_->update(values);
 }
 
-void
-Report::time(const std::string& stage, double seconds)
-{
+void Report::time(const std::string& stage, double seconds) {
   (*json_)["seconds"][stage] = seconds;
 }
 
-Error
-Report::write(const std::string& path)
-{
+Error Report::write(const std::string& path) {
   if (path.empty()) return {};
   (*json_)["seconds"]["total"] = total_.seconds();
   (*json_)["peak_rss_mb"] = peakMemoryMb();
@@ -138,9 +113,7 @@ Report::write(const std::string& path)
   return writeFile(path, text.data(), text.size());
 }
 
-double
-peakMemoryMb()
-{
+double peakMemoryMb() {
 #if defined(__unix__) || defined(__APPLE__)
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0.0;
@@ -154,9 +127,7 @@ peakMemoryMb()
 #endif
 }
 
-bool
-samePlace(const std::string& a, const std::string& b)
-{
+bool samePlace(const std::string& a, const std::string& b) {
   if (a.empty() || b.empty()) return false;
   std::error_code code;
   if (a == b || std::filesystem::equivalent(a, b, code)) return true;
@@ -165,9 +136,7 @@ samePlace(const std::string& a, const std::string& b)
   return !first.empty() && first == second;
 }
 
-Error
-checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written)
-{
+Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written) {
   for (std::size_t i = 0; i < written.size(); ++i) {
     for (const std::string& name : read) {
       if (samePlace(name, written[i])) {
@@ -184,20 +153,16 @@ checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>
   return {};
 }
 
-Error
-checkOutputs(const std::string& output, const std::string& report)
-{
+Error checkOutputs(const std::string& output, const std::string& report) {
   Error error;
   if (!output.empty()) error = checkWritable(output);
   if (!error && !report.empty()) error = checkWritable(report);
   return error;
 }
 
-Error
-saveOutput(const std::string& output, const std::string& report_file,
-           const std::function<Error()>& save, const std::string& detail, Console& console,
-           Report& report)
-{
+Error saveOutput(const std::string& output, const std::string& report_file,
+                 const std::function<Error()>& save, const std::string& detail, Console& console,
+                 Report& report) {
   FileTransaction files;
   console.begin("Saving " + output);
   Error error = save();
@@ -211,9 +176,7 @@ saveOutput(const std::string& output, const std::string& report_file,
   return {};
 }
 
-Error
-commitOutputs(FileTransaction& files)
-{
+Error commitOutputs(FileTransaction& files) {
   if (!outlastSignals()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
   return files.commit();
 }

@@ -18,8 +18,8 @@ namespace pcl_slim {
 /** \brief What a program prints while it works, in the manner of PCL's tools:
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
- * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While it lives,
- * Ctrl-C cancels the running work through progress() (see endOnSignals()).
+ * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While
+ * it lives, Ctrl-C cancels the running work through progress() (see endOnSignals()).
  */
 class Console {
  public:
@@ -86,32 +86,27 @@ class Report {
 };
 
 /** \brief Highest resident memory of this process so far, in 2^20 bytes; 0 where unknown. */
-double
-peakMemoryMb();
+double peakMemoryMb();
 
 /** \brief Whether two names are of one file; an empty name is of none. */
-bool
-samePlace(const std::string& a, const std::string& b);
+bool samePlace(const std::string& a, const std::string& b);
 
 /** \brief Whether the files written differ from the files read and from each other; empty
  * names are of no file. */
-Error
-checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written);
+Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written);
 
-/** \brief Whether output and report (none where empty) can be written; returns the reason if not. */
-Error
-checkOutputs(const std::string& output, const std::string& report);
+/** \brief Whether output and report (none where empty) can be written; returns the reason if not.
+ */
+Error checkOutputs(const std::string& output, const std::string& report);
 
-/** \brief The last stage of a program: saves its output and its report and prints it. Both appear, or
- * neither; an older output stays when something fails. Signals end nothing from then on.
+/** \brief The last stage of a program: saves its output and its report and prints it. Both appear,
+ * or neither; an older output stays when something fails. Signals end nothing from then on.
  * \param[in] save writes the output; \param[in] detail its contents: "5000 surfels". */
-Error
-saveOutput(const std::string& output, const std::string& report_file,
-           const std::function<Error()>& save, const std::string& detail, Console& console,
-           Report& report);
+Error saveOutput(const std::string& output, const std::string& report_file,
+                 const std::function<Error()>& save, const std::string& detail, Console& console,
+                 Report& report);
 
 /** \brief Puts a program's files in their places, unless a signal has come: then none of them. */
-Error
-commitOutputs(FileTransaction& files);
+Error commitOutputs(FileTransaction& files);
 
 }  // namespace pcl_slim

@@ -31,25 +31,19 @@ std::atomic<int> g_signal{0};
 
 // Only what is safe in a signal handler: atomics, setitimer, unlink, write and _exit.
 
-void
-endNow(int signal)
-{
+void endNow(int signal) {
   removeUnfinishedFiles();
   constexpr char kText[] = "stopped; nothing is written\n";
   if (write(STDERR_FILENO, kText, sizeof(kText) - 1) < 0) _exit(128 + signal);
   _exit(128 + signal);
 }
 
-extern "C" void
-endOnAlarm(int)
-{
+extern "C" void endOnAlarm(int) {
   const int signal = g_signal.load();
   endNow(signal != 0 ? signal : SIGALRM);  // without one before, the alarm is another program's
 }
 
-extern "C" void
-onSignal(int signal)
-{
+extern "C" void onSignal(int signal) {
   Progress* progress = g_running.load();
   if (g_signal.exchange(signal) != 0 || progress == nullptr) endNow(signal);
   progress->cancel();
@@ -58,9 +52,7 @@ onSignal(int signal)
   setitimer(ITIMER_REAL, &patience, nullptr);
 }
 
-void
-handle(int signal, void (*handler)(int))
-{
+void handle(int signal, void (*handler)(int)) {
   struct sigaction action = {};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
@@ -70,9 +62,7 @@ handle(int signal, void (*handler)(int))
 
 }  // namespace
 
-void
-endOnSignals()
-{
+void endOnSignals() {
   handle(SIGALRM, endOnAlarm);
   for (const int signal : {SIGPIPE, SIGXFSZ}) handle(signal, SIG_IGN);
   for (const int signal : kEndingSignals) {
@@ -83,23 +73,17 @@ endOnSignals()
   }
 }
 
-bool
-outlastSignals()
-{
+bool outlastSignals() {
   for (const int signal : kEndingSignals) handle(signal, SIG_IGN);
   handle(SIGALRM, SIG_IGN);
   return g_signal.load() == 0;
 }
 
-void
-cancelOnSignals(Progress* progress)
-{
+void cancelOnSignals(Progress* progress) {
   g_running.store(progress);
 }
 
-int
-receivedSignal()
-{
+int receivedSignal() {
   return g_signal.load();
 }
 
@@ -111,10 +95,9 @@ constexpr double kStack = 8 * kMegabyte;  ///< address space that a thread reser
 
 std::uint64_t limit = 0;  ///< megabytes; 0: none
 
-/** A line of the system's report on this process or the machine, in bytes; 0 where there is none. */
-double
-statusOf(const std::string& key, const char* file = "/proc/self/status")
-{
+/** A line of the system's report on this process or the machine, in bytes; 0 where there is none.
+ */
+double statusOf(const std::string& key, const char* file = "/proc/self/status") {
   std::ifstream status(file);
   for (std::string line; std::getline(status, line);) {
     if (line.compare(0, key.size(), key) != 0) continue;
@@ -125,24 +108,18 @@ statusOf(const std::string& key, const char* file = "/proc/self/status")
   return 0.0;
 }
 
-std::string
-megabytesText(double bytes)
-{
+std::string megabytesText(double bytes) {
   return std::to_string(static_cast<std::uint64_t>(std::ceil(bytes / kMegabyte))) + " MB";
 }
 
 }  // namespace
 
-void
-declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes)
-{
+void declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes) {
   options.integer("max_memory", megabytes, 0, kMostMegabytes,
                   "most memory to take, in MB: work that needs more is refused; 0: all there is");
 }
 
-Error
-limitMemory(std::uint64_t megabytes)
-{
+Error limitMemory(std::uint64_t megabytes) {
   limit = megabytes;
   if (megabytes == 0) return {};
   const double wanted = kMegabyte * static_cast<double>(megabytes), now = statusOf("VmRSS:");
@@ -166,18 +143,14 @@ limitMemory(std::uint64_t megabytes)
   return {};
 }
 
-Error
-checkMemory(double bytes, const std::string& what, const std::string& relief)
-{
+Error checkMemory(double bytes, const std::string& what, const std::string& relief) {
   const double needed = bytes + statusOf("VmRSS:");
   if (limit == 0 || needed <= kMegabyte * static_cast<double>(limit)) return {};
   return badInput(what + " takes " + megabytesText(needed) + " or more, above -max_memory " +
                   std::to_string(limit) + ": raise it, or " + relief);
 }
 
-double
-memoryLeft()
-{
+double memoryLeft() {
   constexpr double kShare = 0.8;
   if (limit == 0) {
     const double free = statusOf("MemAvailable:", "/proc/meminfo");
@@ -186,29 +159,22 @@ memoryLeft()
   return std::fmax(0.0, kMegabyte * static_cast<double>(limit) - statusOf("VmRSS:"));
 }
 
-std::string
-memoryLimitText()
-{
+std::string memoryLimitText() {
   return limit == 0 ? "" : " within -max_memory " + std::to_string(limit);
 }
 
-int
-fail(const std::string& program, int status, const std::string& message)
-{
+int fail(const std::string& program, int status, const std::string& message) {
   std::fprintf(stderr, "%s: %s\n", program.c_str(), message.c_str());
   return status;
 }
 
-int
-failWork(const std::string& program, const Error& error)
-{
+int failWork(const std::string& program, const Error& error) {
   const bool stopped = error.code == ErrorCode::kCancelled;
   return fail(program, stopped ? kExitInterrupted : kExitFailed, error.message);
 }
 
-int
-guarded(const std::string& program, const std::string& relief, const std::function<int()>& work)
-{
+int guarded(const std::string& program, const std::string& relief,
+            const std::function<int()>& work) {
   endOnSignals();
   try {
     const int status = work();
@@ -221,10 +187,8 @@ guarded(const std::string& program, const std::string& relief, const std::functi
   }
 }
 
-int
-runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
-           const std::function<Error()>& check, const std::function<Error()>& work)
-{
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Error()>& check, const std::function<Error()>& work) {
   return guarded(options.program(), relief, [&]() -> int {
     if (const auto status = options.parse(argc, argv)) return *status;
     if (const Error error = check()) return fail(options.program(), kExitUsage, error.message);
@@ -233,9 +197,7 @@ runProgram(OptionTable& options, int argc, const char* const* argv, const std::s
   });
 }
 
-std::string
-commandLine(int argc, const char* const* argv)
-{
+std::string commandLine(int argc, const char* const* argv) {
   std::string text = std::filesystem::path(argv[0]).filename().string();
   for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
   return text;

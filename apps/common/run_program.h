@@ -15,78 +15,65 @@ namespace pcl_slim {
  *
  * The first signal cancels the work whose progress was named; the work then ends and reports it.
  * Work that has not ended half a second later, or that named no progress, is ended by force: an
- * unfinished file is removed, an output that existed before stays as it was, and the program returns
- * 128 + the signal's number (130 for Ctrl-C), as a shell expects. A second signal does so immediately.
- * The end of the time that ulimit -t grants (SIGXCPU) is such a signal, too. What a pipe without a
- * reader or a file beyond ulimit -f refuses is reported by the write itself: SIGPIPE and SIGXFSZ end
- * nothing. */
-void
-endOnSignals();
+ * unfinished file is removed, an output that existed before stays as it was, and the program
+ * returns 128 + the signal's number (130 for Ctrl-C), as a shell expects. A second signal does so
+ * immediately. The end of the time that ulimit -t grants (SIGXCPU) is such a signal, too. What a
+ * pipe without a reader or a file beyond ulimit -f refuses is reported by the write itself: SIGPIPE
+ * and SIGXFSZ end nothing. */
+void endOnSignals();
 
-/** \brief From here on signals are ignored: the output is about to be renamed to its final name, which
- * takes no time and must not end half way. \return false if a signal has come already: then nothing
- * is to be renamed. */
-bool
-outlastSignals();
+/** \brief From here on signals are ignored: the output is about to be renamed to its final name,
+ * which takes no time and must not end half way. \return false if a signal has come already: then
+ * nothing is to be renamed. */
+bool outlastSignals();
 
 /** \brief The work that the first signal cancels; null: none. */
-void
-cancelOnSignals(Progress* progress);
+void cancelOnSignals(Progress* progress);
 
 /** \brief The signal that came, or 0. */
-int
-receivedSignal();
+int receivedSignal();
 
 /** \brief Adds -max_memory, in 2^20 bytes; 0, the default, is no limit. */
-void
-declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes);
+void declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes);
 
 /** \brief Limits the memory of this process from here on: an allocation beyond the limit fails, and
  * guarded() reports it. 0: no limit. Linux only; elsewhere only checkMemory() enforces the limit.
  * \return an error where the program itself takes more. */
-Error
-limitMemory(std::uint64_t megabytes);
+Error limitMemory(std::uint64_t megabytes);
 
-/** \brief Refuses work that would take it beyond the limit set. \param[in] bytes a lower bound of what
- * the work will take on top; \param[in] what needs it, as in "fitting 5000000 points";
+/** \brief Refuses work that would take it beyond the limit set. \param[in] bytes a lower bound of
+ * what the work will take on top; \param[in] what needs it, as in "fitting 5000000 points";
  * \param[in] relief what else helps than a higher limit. */
-Error
-checkMemory(double bytes, const std::string& what, const std::string& relief = "use fewer points");
+Error checkMemory(double bytes, const std::string& what,
+                  const std::string& relief = "use fewer points");
 
 /** \brief Bytes that the limit leaves; without one, most of what the machine has free. */
-double
-memoryLeft();
+double memoryLeft();
 
 /** \brief " within -max_memory 500", or nothing where there is no limit. */
-std::string
-memoryLimitText();
+std::string memoryLimitText();
 
 /** \brief Prints "program: message" on stderr. \return the status, to exit with. */
-int
-fail(const std::string& program, int status, const std::string& message);
+int fail(const std::string& program, int status, const std::string& message);
 
 /** \brief The same for work that failed: kExitInterrupted if it was cancelled, else kExitFailed. */
-int
-failWork(const std::string& program, const Error& error);
+int failWork(const std::string& program, const Error& error);
 
 /** \brief Does a program's work; what it throws becomes one line and kExitFailed.
  * \param[in] relief what helps when memory runs out: "use a smaller scan". */
-int
-guarded(const std::string& program, const std::string& relief, const std::function<int()>& work);
+int guarded(const std::string& program, const std::string& relief,
+            const std::function<int()>& work);
 
 /** \brief A whole program: reads the arguments, then checks them (an error there exits
  * with kExitUsage), then works. Errors are printed. \return the status to exit with. */
-int
-runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
-           const std::function<Error()>& check, const std::function<Error()>& work);
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Error()>& check, const std::function<Error()>& work);
 
 /** \brief The same for a program whose arguments fill one struct: declare(settings) makes the
  * table, check(table, settings) checks, work(settings) works. */
 template <typename Settings, typename Declare, typename Check, typename Work>
-int
-runProgram(int argc, const char* const* argv, const std::string& relief, const Declare& declare,
-           const Check& check, const Work& work)
-{
+int runProgram(int argc, const char* const* argv, const std::string& relief, const Declare& declare,
+               const Check& check, const Work& work) {
   Settings settings;
   OptionTable options = declare(settings);
   return runProgram(
@@ -95,7 +82,6 @@ runProgram(int argc, const char* const* argv, const std::string& relief, const D
 }
 
 /** \brief The command as it was given, without the program's folder. */
-std::string
-commandLine(int argc, const char* const* argv);
+std::string commandLine(int argc, const char* const* argv);
 
 }  // namespace pcl_slim

@@ -22,9 +22,8 @@ constexpr std::uint64_t kMostRows = 1
 constexpr double kBytesOfProjection = 220;  ///< per row of a piece, without the copies of the row
 constexpr double kCopiesOfRow = 5;
 
-CloudProjectionParams
-projectionParams(const ProjectionJob& job, const SLIMSurface& surface, const RecordLayout& layout)
-{
+CloudProjectionParams projectionParams(const ProjectionJob& job, const SLIMSurface& surface,
+                                       const RecordLayout& layout) {
   CloudProjectionParams params;
   params.projection = job.projection;
   params.projection.threads = job.fit.params.threads;
@@ -35,9 +34,7 @@ projectionParams(const ProjectionJob& job, const SLIMSurface& surface, const Rec
 }
 
 /** Some rows of a file. */
-PointFile
-rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows)
-{
+PointFile rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows) {
   PointFile some = file;
   const std::size_t step = file.cloud.point_step;
   some.cloud.data.clear();
@@ -53,10 +50,8 @@ rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows)
 }
 
 /** Moves rows to their places among all rows of the cloud. */
-void
-putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_t count,
-        PointFile& all)
-{
+void putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_t count,
+             PointFile& all) {
   const std::size_t step = some.cloud.point_step;
   if (all.cloud.data.empty()) {
     all = some;
@@ -74,9 +69,7 @@ putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_
 
 }  // namespace
 
-bool
-BlockSurface::open(const std::string& path)
-{
+bool BlockSurface::open(const std::string& path) {
   path_ = path;
   if (reader_.open(path)) return false;
   for (const SlimBlock& block : reader_.directory().blocks)
@@ -86,9 +79,7 @@ BlockSurface::open(const std::string& path)
 
 /** Adds the blocks whose boxes contain some of the points. */
 template <typename Rows>
-void
-BlockSurface::addBlocks(const CloudView& cloud, const Rows& rows, Blocks& blocks) const
-{
+void BlockSurface::addBlocks(const CloudView& cloud, const Rows& rows, Blocks& blocks) const {
   for (const std::int32_t row : rows) {
     const auto p = cloud.position(static_cast<std::size_t>(row));
     for (std::size_t b = 0; b < boxes_.size(); ++b) {
@@ -98,9 +89,7 @@ BlockSurface::addBlocks(const CloudView& cloud, const Rows& rows, Blocks& blocks
   }
 }
 
-double
-BlockSurface::bytesOf(const Blocks& blocks) const
-{
+double BlockSurface::bytesOf(const Blocks& blocks) const {
   double bytes = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const SlimBlock& block = reader_.directory().blocks[b];
@@ -109,9 +98,7 @@ BlockSurface::bytesOf(const Blocks& blocks) const
   return bytes;
 }
 
-BlockSurface::Part
-BlockSurface::partOf(const CloudView& cloud) const
-{
+BlockSurface::Part BlockSurface::partOf(const CloudView& cloud) const {
   std::vector<std::int32_t> rows(cloud.size);
   std::iota(rows.begin(), rows.end(), 0);
   Part all = none();
@@ -119,9 +106,7 @@ BlockSurface::partOf(const CloudView& cloud) const
   return all;
 }
 
-std::vector<BlockSurface::Part>
-BlockSurface::partsOf(const CloudView& cloud) const
-{
+std::vector<BlockSurface::Part> BlockSurface::partsOf(const CloudView& cloud) const {
   const Part all = partOf(cloud);
   if (bytesOf(all.blocks) <= most_bytes_) return {all};
   std::vector<std::int32_t> order(cloud.size);
@@ -155,9 +140,7 @@ BlockSurface::partsOf(const CloudView& cloud) const
   return parts;
 }
 
-Result<SLIMSurface>
-BlockSurface::load(const Part& part)
-{
+Result<SLIMSurface> BlockSurface::load(const Part& part) {
   const double bytes = bytesOf(part.blocks);
   const auto count = std::count(part.blocks.begin(), part.blocks.end(), true);
   if (bytes > most_bytes_) {
@@ -170,9 +153,7 @@ BlockSurface::load(const Part& part)
   return reader_.load(part.blocks, static_cast<std::uint64_t>(most));
 }
 
-void
-BlockSurface::reportBlocks(Console& console, Report& report) const
-{
+void BlockSurface::reportBlocks(Console& console, Report& report) const {
   const std::size_t all = boxes_.size(), read = reader_.blocksRead();
   report.json()["surface_blocks"] = {{"count", all}, {"read", read}};
   console.note("  " + std::to_string(read) + " of " + std::to_string(all) +
@@ -180,17 +161,13 @@ BlockSurface::reportBlocks(Console& console, Report& report) const
 }
 
 /** Rows of a piece: no more than a tile's points. */
-std::size_t
-PieceJob::rows() const
-{
+std::size_t PieceJob::rows() const {
   return static_cast<std::size_t>(
       std::min({kMostRows, std::max<std::uint64_t>(1, tiles_.points), reader_.size()}));
 }
 
 /** Opens the scan's rows for reading. */
-Result<bool>
-PieceJob::openRows(Console& console)
-{
+Result<bool> PieceJob::openRows(Console& console) {
   const std::string& output = job_.files.output;
   if (const std::string form = lowerExtension(output); form != ".pcd" && form != ".ply") {
     return Error{ErrorCode::kBadArgument, "'" + output + "' cannot be written in pieces, as this " +
@@ -208,9 +185,7 @@ PieceJob::openRows(Console& console)
   return true;
 }
 
-Result<bool>
-PieceJob::open(Console& console)
-{
+Result<bool> PieceJob::open(Console& console) {
   tiles_.max_memory = job_.files.max_memory;
   if (job_.mesh) {
     if (!tiles_.asked) return false;
@@ -228,9 +203,7 @@ PieceJob::open(Console& console)
   return source_ ? openRows(console) : Result<bool>(false);
 }
 
-Error
-PieceJob::run(SLIMSurface& surface, Console& console, Report& report, ScanResult& result)
-{
+Error PieceJob::run(SLIMSurface& surface, Console& console, Report& report, ScanResult& result) {
   if (source_) {
     if (Error error = fitByTiles(*source_, job_.fit, tiles_, console, report, surface))
       return error;
@@ -244,17 +217,14 @@ PieceJob::run(SLIMSurface& surface, Console& console, Report& report, ScanResult
   return {};
 }
 
-Result<CloudProjection>
-PieceJob::project(const CloudFile& cloud, const SLIMSurface& surface) const
-{
+Result<CloudProjection> PieceJob::project(const CloudFile& cloud,
+                                          const SLIMSurface& surface) const {
   if (cloud.num_non_finite == cloud.size()) return CloudProjection::ofNothing(cloud.size());
   return CloudProjection::make(cloud.view(job_.fit.use_normals), surface,
                                projectionParams(job_, surface, reader_.layout()));
 }
 
-void
-PieceJob::count(const CloudProjectionStatistics& piece)
-{
+void PieceJob::count(const CloudProjectionStatistics& piece) {
   sum_.points += piece.points;
   sum_.moved += piece.moved;
   sum_.unsupported += piece.unsupported;
@@ -265,9 +235,7 @@ PieceJob::count(const CloudProjectionStatistics& piece)
 }
 
 /** Some points on the surface. */
-Result<PointFile>
-PieceJob::brought(const CloudFile& cloud, const SLIMSurface& surface)
-{
+Result<PointFile> PieceJob::brought(const CloudFile& cloud, const SLIMSurface& surface) {
   const Result<CloudProjection> projection = project(cloud, surface);
   if (!projection) return projection.error();
   count(projection->statistics());
@@ -275,9 +243,7 @@ PieceJob::brought(const CloudFile& cloud, const SLIMSurface& surface)
 }
 
 /** A piece on the surface, of which blocks are read as its points need them. */
-Result<PointFile>
-PieceJob::brought(PointFile piece, const SLIMSurface& surface)
-{
+Result<PointFile> PieceJob::brought(PointFile piece, const SLIMSurface& surface) {
   const Result<CloudFile> cloud = asCloudFile(std::move(piece), job_.files.input);
   if (!cloud) return cloud.error();
   if (!blocks_.isOpen()) return brought(*cloud, surface);
@@ -295,9 +261,7 @@ PieceJob::brought(PointFile piece, const SLIMSurface& surface)
   return all;
 }
 
-Error
-PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& report)
-{
+Error PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& report) {
   console.begin("Projecting");
   for (std::uint64_t done = 0; done < reader_.size();) {
     if (console.interrupted())

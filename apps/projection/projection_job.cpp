@@ -9,9 +9,7 @@
 
 namespace pcl_slim {
 
-void
-reportProjection(const CloudProjectionStatistics& statistics, Report& report)
-{
+void reportProjection(const CloudProjectionStatistics& statistics, Report& report) {
   report.add({{"moved", statistics.moved},
               {"unsupported", statistics.unsupported},
               {"non_finite", statistics.non_finite},
@@ -28,9 +26,7 @@ struct MeshJob {
   bool normals = false;                  ///< also write the smooth mesh's normals at the vertices
 };
 
-void
-reportMesh(const MeshSmoothStatistics& s, Report& report)
-{
+void reportMesh(const MeshSmoothStatistics& s, Report& report) {
   report.add({{"faces", s.faces},
               {"faces_left_out", s.faces_left_out},
               {"faces_unsupported", s.faces_unsupported},
@@ -48,16 +44,12 @@ reportMesh(const MeshSmoothStatistics& s, Report& report)
               {"max_displacement", s.max_displacement}});
 }
 
-void
-note(std::uint64_t count, const char* one, const char* many, Console& console)
-{
+void note(std::uint64_t count, const char* one, const char* many, Console& console) {
   if (count > 0) console.note("  " + std::to_string(count) + (count == 1 ? one : many));
 }
 
-void
-writeTriples(const std::vector<Vector3>& values, const char* const (&names)[3],
-             pcl::PCLPointCloud2& cloud)
-{
+void writeTriples(const std::vector<Vector3>& values, const char* const (&names)[3],
+                  pcl::PCLPointCloud2& cloud) {
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(cloud, names[a]);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -66,9 +58,7 @@ writeTriples(const std::vector<Vector3>& values, const char* const (&names)[3],
   }
 }
 
-PointFile
-meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh)
-{
+PointFile meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh) {
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
   // Integer coordinates cannot represent the vertices' new positions.
@@ -85,9 +75,8 @@ meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh)
 
 /** Smooths the mesh in a file; prints and reports it. \return the file to write: the same with new
  * x y z, and faces and every other field kept. */
-Result<PointFile>
-smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Report& report)
-{
+Result<PointFile> smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console,
+                                 Report& report) {
   console.begin("Smoothing the mesh");
   MeshFaces faces;
   faces.begin = cloud.file.face_begin;
@@ -109,20 +98,17 @@ smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Rep
 }
 
 /** Checks the options that can be checked before the input is read. */
-Error
-checkJob(ProjectionJob& job)
-{
+Error checkJob(ProjectionJob& job) {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output, true)) return error;
   return checkPlaces(filesRead(job.fit, {job.files.input, job.surface}),
                      {job.files.output, job.files.json});
 }
 
-/** Reads a surface, or of one in blocks what some points need. \param[in] cloud null: nothing of such a one */
-Error
-readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& blocks,
-            Console& console, Report& report, SLIMSurface& surface)
-{
+/** Reads a surface, or of one in blocks what some points need. \param[in] cloud null: nothing of
+ * such a one */
+Error readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& blocks,
+                  Console& console, Report& report, SLIMSurface& surface) {
   const std::string& path = job.surface;
   console.begin("Loading " + path);
   Result<SLIMSurface> loaded = SLIMSurface();
@@ -145,10 +131,9 @@ readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& bloc
 }
 
 /** Brings the scan onto the surface. \param[in] store the scan's, or null. */
-Result<CloudProjection>
-projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface& surface,
-            const PointStore* store, Console& console, Report& report)
-{
+Result<CloudProjection> projectScan(const ProjectionJob& job, const CloudFile& cloud,
+                                    const SLIMSurface& surface, const PointStore* store,
+                                    Console& console, Report& report) {
   console.begin("Projecting");
   CloudProjectionParams params;
   params.projection = job.projection;
@@ -172,10 +157,9 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
 }
 
 /** Fits, unless a surface was read, and projects. */
-Result<CloudProjection>
-fitAndProject(const ProjectionProgram& program, const ProjectionJob& job, const CloudFile& cloud,
-              SLIMSurface& surface, Console& console, Report& report)
-{
+Result<CloudProjection> fitAndProject(const ProjectionProgram& program, const ProjectionJob& job,
+                                      const CloudFile& cloud, SLIMSurface& surface,
+                                      Console& console, Report& report) {
   if (!job.surface.empty()) return projectScan(job, cloud, surface, nullptr, console, report);
   PointStore store;
   const Error error = fitScan(job.fit, cloud, console, report, surface, &store);
@@ -189,10 +173,9 @@ fitAndProject(const ProjectionProgram& program, const ProjectionJob& job, const 
 }
 
 /** Smooths the mesh. \param[in] sharp_given whether the user chose how edges are treated. */
-Result<PointFile>
-smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given, const SLIMSurface& surface,
-           const CloudFile& cloud, Console& console, Report& report)
-{
+Result<PointFile> smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given,
+                             const SLIMSurface& surface, const CloudFile& cloud, Console& console,
+                             Report& report) {
   MeshJob mesh;
   mesh.params.fit = job.fit.params;
   if (sharp_given) {
@@ -203,10 +186,8 @@ smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given, const SLIMS
   return smoothMeshFile(mesh, cloud, console, report);
 }
 
-OptionTable
-declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest& tiles,
-               bool& chosen)
-{
+OptionTable declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest& tiles,
+                           bool& chosen) {
   OptionTable options(program.name, program.version, program.summary);
   options.positional("IN", &job.files.input, kScanHelp);
   options.positional("OUT.pcd|.ply|.las|.vtp", &job.files.output,
@@ -230,10 +211,8 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
 
 }  // namespace
 
-int
-runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int argc,
-                     const char* const* argv, const MakeOutput& make_output)
-{
+int runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int argc,
+                         const char* const* argv, const MakeOutput& make_output) {
   bool chosen = false;
   PieceJob pieces(job, make_output, chosen);
   OptionTable options = declareOptions(program, job, pieces.tiles(), chosen);

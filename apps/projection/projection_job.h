@@ -40,16 +40,15 @@ using MakeOutput = std::function<PointFile(const PointFile& file, const CloudPro
                                            bool chosen, int threads)>;
 
 /** \brief What became of the points, into the report. */
-void
-reportProjection(const CloudProjectionStatistics& statistics, Report& report);
+void reportProjection(const CloudProjectionStatistics& statistics, Report& report);
 
 /** \brief Reads the arguments, loads, fits or loads the surface, projects, writes and reports.
  * \return the exit status; messages are printed. */
-int
-runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int argc,
-                     const char* const* argv, const MakeOutput& make_output);
+int runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int argc,
+                         const char* const* argv, const MakeOutput& make_output);
 
-/** \brief A surface in blocks, of which only those about some points are read: it need not fit into memory. */
+/** \brief A surface in blocks, of which only those about some points are read: it need not fit into
+ * memory. */
 class BlockSurface {
  public:
   using Blocks = std::vector<bool>;
@@ -71,8 +70,8 @@ class BlockSurface {
   /** \brief All points, and the blocks whose balls may contain some. O(points * blocks). */
   Part partOf(const CloudView& cloud) const;
 
-  /** \brief Divides points along the Morton curve, so that the blocks of each part fit into memory: into one
-   * part where possible. O(points * blocks), points log points where they are divided. */
+  /** \brief Divides points along the Morton curve, so that the blocks of each part fit into memory:
+   * into one part where possible. O(points * blocks), points log points where they are divided. */
   std::vector<Part> partsOf(const CloudView& cloud) const;
 
   /** \brief The surfels of a part's blocks. \return an error where memory is too small for them. */
@@ -96,19 +95,18 @@ class BlockSurface {
 class PieceJob {
  public:
   PieceJob(const ProjectionJob& job, const MakeOutput& make_output, const bool& chosen)
-      : job_(job), make_output_(make_output), chosen_(chosen)
-  {
-  }
+      : job_(job), make_output_(make_output), chosen_(chosen) {}
 
   TileRequest& tiles() { return tiles_; }
   BlockSurface& blocks() { return blocks_; }
 
-  /** \brief Opens the scan. \return whether it is worked on in pieces; an error where the user requests
-   * pieces, or memory is too small for anything else, and the scan or the job does not allow them. */
+  /** \brief Opens the scan. \return whether it is worked on in pieces; an error where the user
+   * requests pieces, or memory is too small for anything else, and the scan or the job does not
+   * allow them. */
   Result<bool> open(Console& console);
 
-  /** \brief Fits, unless a surface was read, projects and writes; ScanResult::save puts the file in its
-   * place. */
+  /** \brief Fits, unless a surface was read, projects and writes; ScanResult::save puts the file in
+   * its place. */
   Error run(SLIMSurface& surface, Console& console, Report& report, ScanResult& result);
 
  private:

@@ -14,9 +14,7 @@ const std::string kParallel = ",parallel";
 
 }  // namespace
 
-std::string
-cameraText(const Camera& camera)
-{
+std::string cameraText(const Camera& camera) {
   const bool parallel = camera.projection == Camera::Projection::kOrthographic;
   std::string text;
   const auto add = [&](double value) {
@@ -31,16 +29,12 @@ cameraText(const Camera& camera)
   return parallel ? text + kParallel : text;
 }
 
-bool
-looksLikeCamera(const std::string& text)
-{
+bool looksLikeCamera(const std::string& text) {
   return text.find(',') != std::string::npos &&
          text.find_first_not_of("0123456789+-.,eEparl") == std::string::npos;
 }
 
-Result<Camera>
-cameraFromText(const std::string& text, double fov)
-{
+Result<Camera> cameraFromText(const std::string& text, double fov) {
   const bool parallel =
       text.size() > kParallel.size() &&
       text.compare(text.size() - kParallel.size(), kParallel.size(), kParallel) == 0;
@@ -66,16 +60,12 @@ cameraFromText(const std::string& text, double fov)
   return camera;
 }
 
-Error
-saveCamera(const std::string& path, const Camera& camera)
-{
+Error saveCamera(const std::string& path, const Camera& camera) {
   const std::string line = cameraText(camera) + "\n";
   return writeFile(path, line.data(), line.size());
 }
 
-Result<Camera>
-loadCamera(const std::string& path)
-{
+Result<Camera> loadCamera(const std::string& path) {
   const auto bytes = readFile(path);
   if (!bytes) return bytes.error();
   std::string text(bytes->begin(), bytes->end());

@@ -16,22 +16,16 @@ namespace pcl_slim {
 namespace {
 
 /** \brief Only surfaces and splats have balls or polynomials. */
-bool
-hasModelFields(const PointFile& file)
-{
+bool hasModelFields(const PointFile& file) {
   return findField(file.cloud, "radius") >= 0 || findField(file.cloud, "c0") >= 0;
 }
 
-bool
-isPointFile(const std::string& path)
-{
+bool isPointFile(const std::string& path) {
   return !checkPointFileExtension(path);
 }
 
 /** \brief A model from a point file's fields; errors do not name the file yet. */
-Result<Model>
-modelFrom(const PointFile& file)
-{
+Result<Model> modelFrom(const PointFile& file) {
   Model model;
   if (holdsSplats(file)) {
     Result<SplatSet> splats = splatsFrom(file, &model.skipped);
@@ -52,9 +46,7 @@ modelFrom(const PointFile& file)
 }
 
 /** The blocks that a picture with level of detail draws. */
-Result<std::vector<bool>>
-drawnBlocks(const BlockWish& wish, SlimBlockReader& reader)
-{
+Result<std::vector<bool>> drawnBlocks(const BlockWish& wish, SlimBlockReader& reader) {
   const SlimDirectory& directory = reader.directory();
   std::vector<bool> above;
   for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
@@ -67,9 +59,7 @@ drawnBlocks(const BlockWish& wish, SlimBlockReader& reader)
 
 }  // namespace
 
-std::string
-Model::describe() const
-{
+std::string Model::describe() const {
   if (is_splats) return std::to_string(splats.size()) + " splats";
   const std::string part = blocks_read == blocks ? ""
                                                  : ", " + std::to_string(blocks_read) + " of " +
@@ -78,24 +68,18 @@ Model::describe() const
          " surfels" + part;
 }
 
-BoundingSpheres
-Model::spheres() const
-{
+BoundingSpheres Model::spheres() const {
   return is_splats ? spheresOf(splats) : spheresOf(surface);
 }
 
-Result<bool>
-holdsModel(const std::string& path)
-{
+Result<bool> holdsModel(const std::string& path) {
   if (!isPointFile(path)) return true;
   const Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
   return hasModelFields(*file);
 }
 
-Result<Model>
-loadModel(const std::string& path)
-{
+Result<Model> loadModel(const std::string& path) {
   if (!isPointFile(path)) {
     Result<SLIMSurface> surface = loadSurface(path);
     if (!surface) return surface.error();
@@ -110,9 +94,7 @@ loadModel(const std::string& path)
   return Error{model.error().code, "'" + path + "': " + model.error().message};
 }
 
-Result<Model>
-loadModel(const std::string& path, const BlockWish& wish)
-{
+Result<Model> loadModel(const std::string& path, const BlockWish& wish) {
   SlimBlockReader reader;
   if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
   const SlimDirectory& directory = reader.directory();
@@ -139,9 +121,7 @@ namespace {
 
 /** What a picture of either kind cost. */
 template <typename Counts>
-void
-reportCounts(const Counts& counts, nlohmann::ordered_json& json)
-{
+void reportCounts(const Counts& counts, nlohmann::ordered_json& json) {
   json.update({{"covered_pixels", counts.covered_pixels},
                {"rays_first", counts.rays_first},
                {"rays_blend", counts.rays_blend},
@@ -150,10 +130,9 @@ reportCounts(const Counts& counts, nlohmann::ordered_json& json)
 
 }  // namespace
 
-Result<FrameSeconds>
-timeFrames(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& params,
-           const ShadingParams& shading, int repeat)
-{
+Result<FrameSeconds> timeFrames(SurfaceRenderer& renderer, const Camera& camera,
+                                const RenderParams& params, const ShadingParams& shading,
+                                int repeat) {
   RenderParams needed = params;
   needed.columns = columnsFor(shading);
   GBuffer buffer;
@@ -174,9 +153,8 @@ timeFrames(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& 
   return FrameSeconds{median(frames), median(shades)};
 }
 
-void
-reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::ordered_json& json)
-{
+void reportSurface(const Model& model, const RenderStatistics& counts,
+                   nlohmann::ordered_json& json) {
   json.update({{"points", model.surface.info.num_points},
                {"surfels", model.surface.size()},
                {"leaves", model.surface.numLeaves()},
@@ -194,9 +172,8 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
   json["coarse_surfels"] = counts.coarse_surfels;
 }
 
-void
-reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::ordered_json& json)
-{
+void reportSplats(const Model& model, const DiscRenderStatistics& counts,
+                  nlohmann::ordered_json& json) {
   const std::uint64_t covered = counts.covered_pixels;
   json.update({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
   reportCounts(counts, json);
@@ -207,9 +184,7 @@ reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::o
                      {"back_facing", counts.back_facing}};
 }
 
-void
-reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json)
-{
+void reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json) {
   json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
                {"covered_pixels", counts.covered_pixels},
                {"rays_primary", counts.rays_primary},
@@ -220,10 +195,8 @@ reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordere
                {"tested_per_ray", counts.testedPerRay()}});
 }
 
-Result<Model>
-loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,
-          Console& console, Report& report)
-{
+Result<Model> loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole,
+                        int threads, Console& console, Report& report) {
   console.begin("Loading " + path);
   Result<Model> model = loadModel(path, wish);
   if (!model) return model;

@@ -38,12 +38,11 @@ struct Model {
 };
 
 /** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
-Result<bool>
-holdsModel(const std::string& path);
+Result<bool> holdsModel(const std::string& path);
 
-/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields show which. */
-Result<Model>
-loadModel(const std::string& path);
+/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields show which.
+ */
+Result<Model> loadModel(const std::string& path);
 
 /** \brief What of a surface in blocks is wanted. */
 struct BlockWish {
@@ -55,8 +54,7 @@ struct BlockWish {
 };
 
 /** \brief The same, but of a surface in blocks only those that are wanted. */
-Result<Model>
-loadModel(const std::string& path, const BlockWish& wish);
+Result<Model> loadModel(const std::string& path, const BlockWish& wish);
 
 /** \brief Medians over warm frames of one ray a pixel. */
 struct FrameSeconds {
@@ -66,26 +64,24 @@ struct FrameSeconds {
 
 /** \brief Times frames after a first one that does not count; each camera is shifted by a part of a
  * pixel against the last, so that nothing repeats. \param[in] repeat at least 1 */
-Result<FrameSeconds>
-timeFrames(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& params,
-           const ShadingParams& shading, int repeat);
+Result<FrameSeconds> timeFrames(SurfaceRenderer& renderer, const Camera& camera,
+                                const RenderParams& params, const ShadingParams& shading,
+                                int repeat);
 
 /** \brief Adds what a surface is and what its pictures cost and left out to a report. */
-void
-reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::ordered_json& json);
+void reportSurface(const Model& model, const RenderStatistics& counts,
+                   nlohmann::ordered_json& json);
 
 /** \brief The same of splats. */
-void
-reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::ordered_json& json);
+void reportSplats(const Model& model, const DiscRenderStatistics& counts,
+                  nlohmann::ordered_json& json);
 
 /** \brief The same of traced pictures of either. */
-void
-reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
+void reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
 
-/** \brief Loads a model, or only the wanted blocks of a surface in blocks, and prints it; borders as the picture is
- * to have them. */
-Result<Model>
-loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,
-          Console& console, Report& report);
+/** \brief Loads a model, or only the wanted blocks of a surface in blocks, and prints it; borders
+ * as the picture is to have them. */
+Result<Model> loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole,
+                        int threads, Console& console, Report& report);
 
 }  // namespace pcl_slim

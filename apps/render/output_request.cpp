@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What pcl_slim_render makes beside a plain picture: lines over it, or a page in place of it; and which options
-// have no effect on what is made.
+// What pcl_slim_render makes beside a plain picture: lines over it, or a page in place of it; and
+// which options have no effect on what is made.
 #include "render/output_request.h"
 
 #include <algorithm>
@@ -14,9 +14,7 @@ namespace pcl_slim {
 namespace {
 
 /** A line whose ends are as near to each other as its vertices do is closed. */
-void
-close(SpaceLine& line)
-{
+void close(SpaceLine& line) {
   double length = 0;
   for (std::size_t i = 1; i < line.points.size(); ++i)
     length += pcl_slim::length(subtract(line.points[i], line.points[i - 1]));
@@ -26,9 +24,7 @@ close(SpaceLine& line)
 }
 
 /** Lines of a file that pcl_slim_lines wrote: neighbours of one line number are neighbours. */
-Result<std::vector<SpaceLine>>
-loadLines(const std::string& path)
-{
+Result<std::vector<SpaceLine>> loadLines(const std::string& path) {
   const auto file = loadPointFile(path);
   if (!file) return file.error();
   const pcl::PCLPointCloud2& cloud = file->cloud;
@@ -56,9 +52,7 @@ loadLines(const std::string& path)
 
 }  // namespace
 
-void
-LineRequest::declare(OptionTable& table)
-{
+void LineRequest::declare(OptionTable& table) {
   table.choice("lines", &lines, {"none", "crest", "suggestive", "contour", "all"},
                "lines over the picture; none with -mode sketch: all");
   table.text("line_file", &file, "FILE.pcd|.ply",
@@ -70,9 +64,7 @@ LineRequest::declare(OptionTable& table)
   table.number("line_length", &length, 0, 1e6, "least length of a line, pixels");
 }
 
-void
-LineRequest::applyMode(PictureRequest& colors)
-{
+void LineRequest::applyMode(PictureRequest& colors) {
   crest = colors.mode == "crest";
   contours = colors.mode == "contours";
   sketch = colors.mode == "sketch";
@@ -84,9 +76,7 @@ LineRequest::applyMode(PictureRequest& colors)
   colors.occlusion = 0;
 }
 
-Error
-LineRequest::load()
-{
+Error LineRequest::load() {
   if (file.empty()) return {};
   auto loaded = loadLines(file);
   if (!loaded) return loaded.error();
@@ -94,9 +84,7 @@ LineRequest::load()
   return {};
 }
 
-PictureLineParams
-LineRequest::finding(int threads) const
-{
+PictureLineParams LineRequest::finding(int threads) const {
   PictureLineParams params;
   const bool all = lines == "all" || (sketch && lines == "none" && file.empty());
   params.crest = all || crest || lines == "crest";
@@ -109,10 +97,8 @@ LineRequest::finding(int threads) const
   return params;
 }
 
-Error
-LineRequest::draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering,
-                  Image& image, std::size_t& count) const
-{
+Error LineRequest::draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering,
+                        Image& image, std::size_t& count) const {
   const PictureLineParams params = finding(rendering.threads);
   rendering.columns = pictureLineColumns(params);
   GBuffer buffer;
@@ -131,31 +117,24 @@ LineRequest::draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams 
 
 namespace {
 
-Error
-refused(const std::string& option, const std::string& why)
-{
+Error refused(const std::string& option, const std::string& why) {
   return {ErrorCode::kBadArgument, option + " " + why};
 }
 
 }  // namespace
 
-void
-PageRequest::declare(OptionTable& table)
-{
+void PageRequest::declare(OptionTable& table) {
   table.number("precision", &precision, 0.0, 65536.0,
                "of a page: steps of a coefficient per radius, 16 or more; 0: nothing is rounded");
 }
 
-bool
-PageRequest::isPage(const std::string& output)
-{
+bool PageRequest::isPage(const std::string& output) {
   const std::string extension = lowerExtension(output);
   return extension == ".html" || extension == ".htm";
 }
 
-Error
-PageRequest::check(const OptionTable& table, const std::string& output, const std::string& mode)
-{
+Error PageRequest::check(const OptionTable& table, const std::string& output,
+                         const std::string& mode) {
   if (!isPage(output)) {
     return table.given("precision")
                ? refused("-precision", "is for pages: name an output that ends in .html")
@@ -174,9 +153,7 @@ PageRequest::check(const OptionTable& table, const std::string& output, const st
   return {};
 }
 
-std::string
-PageRequest::titleOf(const std::string& input)
-{
+std::string PageRequest::titleOf(const std::string& input) {
   const std::size_t folder = input.find_last_of('/');
   const std::string name = folder == std::string::npos ? input : input.substr(folder + 1);
   return name.substr(0, name.size() - lowerExtension(name).size());
@@ -192,9 +169,7 @@ struct Rule {
 };
 
 /** Of the colours: the first rule that names an option gives the reason. */
-std::vector<Rule>
-colorRules(const DrawnThing& d)
-{
+std::vector<Rule> colorRules(const DrawnThing& d) {
   const ShadingMode mode = d.shading.mode;
   const bool plain = mode == ShadingMode::kNormal || mode == ShadingMode::kReflection;
   const bool traced = d.picture.isTraced(), picture = !d.is_page && !traced;
@@ -214,9 +189,7 @@ colorRules(const DrawnThing& d)
 }
 
 /** Of what is drawn. */
-std::vector<Rule>
-objectRules(const DrawnThing& d)
-{
+std::vector<Rule> objectRules(const DrawnThing& d) {
   const PictureLineParams found = d.lines.finding(1);
   return {
       {d.is_splats, {"hole", "trim", "lod", "repeat"}, "it is for surfaces"},
@@ -233,9 +206,7 @@ objectRules(const DrawnThing& d)
 
 }  // namespace
 
-std::vector<std::string>
-idleOptions(const OptionTable& table, const DrawnThing& drawn)
-{
+std::vector<std::string> idleOptions(const OptionTable& table, const DrawnThing& drawn) {
   std::vector<std::string> notes, named;
   for (const auto& rules : {colorRules(drawn), objectRules(drawn)}) {
     for (const Rule& rule : rules) {

@@ -76,7 +76,6 @@ struct DrawnThing {
 };
 
 /** \brief A line for each option that was given and changes nothing. */
-std::vector<std::string>
-idleOptions(const OptionTable& table, const DrawnThing& drawn);
+std::vector<std::string> idleOptions(const OptionTable& table, const DrawnThing& drawn);
 
 }  // namespace pcl_slim

@@ -6,9 +6,7 @@
 
 namespace pcl_slim {
 
-void
-PictureRequest::declareColors(OptionTable& table)
-{
+void PictureRequest::declareColors(OptionTable& table) {
   table.choice(
       "mode", &mode,
       {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "error",
@@ -26,17 +24,13 @@ PictureRequest::declareColors(OptionTable& table)
                "light on the colours; auto: all but -mode color");
 }
 
-void
-PictureRequest::declareFinish(OptionTable& table)
-{
+void PictureRequest::declareFinish(OptionTable& table) {
   table.number("ao", &occlusion, 0.0, 1.0, "strength of the shade in hollows");
   table.toggle("white", &white, "white background");
   table.integer("aa", &supersampling, 1, 8, "N x N rays a pixel");
 }
 
-Error
-PictureRequest::parse()
-{
+Error PictureRequest::parse() {
   if (range_text == "auto") return {};
   std::vector<double> values;
   const bool read = parseNumberList(range_text, values);
@@ -54,9 +48,7 @@ PictureRequest::parse()
               range_text + "'"};
 }
 
-ShadingParams
-PictureRequest::shadingFor(bool has_colors, int threads) const
-{
+ShadingParams PictureRequest::shadingFor(bool has_colors, int threads) const {
   ShadingParams params;
   const std::string automatic = has_colors ? "color" : "shaded";
   params.mode = *shadingModeOf(mode == "auto" || isTraced() ? automatic : mode);
@@ -77,9 +69,7 @@ PictureRequest::shadingFor(bool has_colors, int threads) const
 namespace {
 
 /** \brief Reads AZ,EL[,STRENGTH[,RADIUS]]. */
-bool
-readLight(const std::string& text, TracedRequest::Light& light)
-{
+bool readLight(const std::string& text, TracedRequest::Light& light) {
   std::vector<double> values;
   if (!parseNumberList(text, values) || values.size() < 2 || values.size() > 4) return false;
   values.resize(4, 0.0);
@@ -91,17 +81,13 @@ readLight(const std::string& text, TracedRequest::Light& light)
 
 }  // namespace
 
-void
-TracedRequest::declare(OptionTable& table)
-{
+void TracedRequest::declare(OptionTable& table) {
   table.text("lights", &lights_text, "auto|AZ,EL[,STRENGTH[,RADIUS]][:...]",
              "lights of -mode raytraced, degrees to the viewer's right and up; a radius in degrees "
              "makes soft shadows; auto: two");
 }
 
-Error
-TracedRequest::parse()
-{
+Error TracedRequest::parse() {
   if (lights_text == "auto") return {};
   std::istringstream all(lights_text);
   bool good = !lights_text.empty() && lights_text.back() != ':';
@@ -115,9 +101,7 @@ TracedRequest::parse()
               lights_text + "'"};
 }
 
-std::vector<RayLight>
-TracedRequest::lightsFor(const Camera& camera) const
-{
+std::vector<RayLight> TracedRequest::lightsFor(const Camera& camera) const {
   if (lights.empty()) return defaultLights(camera);
   std::vector<RayLight> all;
   for (const Light& light : lights) {

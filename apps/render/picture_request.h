@@ -30,7 +30,8 @@ struct PictureRequest {
   /** \brief Whether the picture is to be ray-traced. */
   bool isTraced() const { return mode == "raytraced"; }
 
-  /** \brief Parameters for a model with or without colours of its own, once parse() has gone well. */
+  /** \brief Parameters for a model with or without colours of its own, once parse() has gone well.
+   */
   ShadingParams shadingFor(bool has_colors, int threads) const;
 };
 
@@ -38,7 +39,8 @@ struct PictureRequest {
 struct TracedRequest {
   std::string lights_text = "auto";
 
-  /** \brief A light as seen by the viewer: degrees to the right and up, strength, radius in degrees. */
+  /** \brief A light as seen by the viewer: degrees to the right and up, strength, radius in
+   * degrees. */
   struct Light {
     double azimuth = 0.0, elevation = 0.0, strength = 0.0, spread = 0.0;
   };

@@ -15,15 +15,11 @@ namespace {
 
 constexpr double kMargin = 0.04;  ///< share of the picture, on each side
 
-Error
-badOption(const std::string& message)
-{
+Error badOption(const std::string& message) {
   return {ErrorCode::kBadArgument, message};
 }
 
-Error
-parseSize(const std::string& text, ImageSize& size)
-{
+Error parseSize(const std::string& text, ImageSize& size) {
   int used = 0;
   const bool read = std::sscanf(text.c_str(), "%5dx%5d%n", &size.width, &size.height, &used) == 2;
   if (!read || used != static_cast<int>(text.size()) || size.width < 1 || size.height < 1) {
@@ -32,9 +28,7 @@ parseSize(const std::string& text, ImageSize& size)
   return {};
 }
 
-UpAxis
-upAxis(const std::string& name)
-{
+UpAxis upAxis(const std::string& name) {
   return name == "x"   ? UpAxis::kX
          : name == "y" ? UpAxis::kY
          : name == "z" ? UpAxis::kZ
@@ -42,9 +36,7 @@ upAxis(const std::string& name)
 }
 
 /** \brief Azimuth and elevation of -view; none for auto. */
-Error
-parseView(const std::string& text, std::vector<double>& angles)
-{
+Error parseView(const std::string& text, std::vector<double>& angles) {
   static const std::map<std::string, std::vector<double>> kNamed{
       {"auto", {}},
       {"front", {0.0, 0.0}},
@@ -69,8 +61,7 @@ parseView(const std::string& text, std::vector<double>& angles)
 }  // namespace
 
 Turntable::Turntable(const ViewRequest& request, const BoundingSpheres& object, int count)
-    : count_(count)
-{
+    : count_(count) {
   if (count == 1) {
     first_ = request.cameraFor(object);
     return;
@@ -81,15 +72,11 @@ Turntable::Turntable(const ViewRequest& request, const BoundingSpheres& object, 
   first_ = request.cameraFor(object, swept);
 }
 
-Camera
-Turntable::camera(int turn) const
-{
+Camera Turntable::camera(int turn) const {
   return turnedCamera(first_, pivot_, axis_, turn, count_);
 }
 
-std::string
-Turntable::path(const std::string& path, int turn, int count)
-{
+std::string Turntable::path(const std::string& path, int turn, int count) {
   if (count == 1) return path;
   char number[16];
   std::snprintf(number, sizeof number, "_%03d", turn);
@@ -97,15 +84,11 @@ Turntable::path(const std::string& path, int turn, int count)
   return path.substr(0, dot) + number + path.substr(dot);
 }
 
-void
-ViewRequest::declareSize(OptionTable& table)
-{
+void ViewRequest::declareSize(OptionTable& table) {
   table.text("size", &size_text, "WxH", "width and height in pixels");
 }
 
-void
-ViewRequest::declareCamera(OptionTable& table)
-{
+void ViewRequest::declareCamera(OptionTable& table) {
   table.text(
       "view", &view, "NAME|AZ,EL",
       "auto, front, back, left, right, top, bottom, iso, or azimuth and elevation in degrees");
@@ -119,9 +102,7 @@ ViewRequest::declareCamera(OptionTable& table)
   table.exclusive({"camera", "fov"});
 }
 
-Error
-ViewRequest::parse()
-{
+Error ViewRequest::parse() {
   if (Error error = parseSize(size_text, size)) return error;
   if (Error error = parseView(view, angles)) return error;
   if (camera == "auto") return {};
@@ -136,9 +117,7 @@ ViewRequest::parse()
   return {};
 }
 
-Camera
-ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const
-{
+Camera ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const {
   if (given) return *given;
   UpAxis axis = upAxis(up);
   ViewDirection direction;
@@ -152,15 +131,11 @@ ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& fra
                       : fitCamera(framed, direction, size, fov, kMargin, right_margin);
 }
 
-bool
-ViewRequest::opens(const BoundingSpheres& object) const
-{
+bool ViewRequest::opens(const BoundingSpheres& object) const {
   return !given && isSeenFromInside(object);
 }
 
-std::array<double, 3>
-ViewRequest::upwards(const BoundingSpheres& object) const
-{
+std::array<double, 3> ViewRequest::upwards(const BoundingSpheres& object) const {
   const UpAxis axis = upAxis(up);
   if (angles.empty()) return upwardsIn(object, axis);
   return upwardsIn(object, axis == UpAxis::kAuto ? guessUpAxis(object) : axis);
@@ -170,9 +145,7 @@ namespace {
 
 using Corner = std::array<double, 3>;
 
-Corner
-placeOf(const BoundingSpheres& object, const BoundingSphere& sphere)
-{
+Corner placeOf(const BoundingSpheres& object, const BoundingSphere& sphere) {
   Corner place;
   for (std::size_t a = 0; a < 3; ++a) {
     place[a] = object.origin[a] + object.scale * double{sphere.center[a]};
@@ -180,9 +153,7 @@ placeOf(const BoundingSpheres& object, const BoundingSphere& sphere)
   return place;
 }
 
-bool
-holds(const std::vector<HalfSpace>& sides, const Corner& place)
-{
+bool holds(const std::vector<HalfSpace>& sides, const Corner& place) {
   return std::all_of(sides.begin(), sides.end(), [&](const HalfSpace& side) {
     return side.normal[0] * place[0] + side.normal[1] * place[1] + side.normal[2] * place[2] >=
            side.offset;
@@ -190,9 +161,7 @@ holds(const std::vector<HalfSpace>& sides, const Corner& place)
 }
 
 /** \brief x0, x1, y0, y1, z0, z1 of an object's centres. */
-std::array<double, 6>
-boundsOf(const BoundingSpheres& object)
-{
+std::array<double, 6> boundsOf(const BoundingSpheres& object) {
   std::array<double, 6> bounds;
   for (std::size_t a = 0; a < 3; ++a) {
     bounds[2 * a] = HUGE_VAL;
@@ -210,16 +179,12 @@ boundsOf(const BoundingSpheres& object)
 
 }  // namespace
 
-void
-RegionRequest::declare(OptionTable& table)
-{
+void RegionRequest::declare(OptionTable& table) {
   table.text("region", &text, "all|X0,Y0,Z0,X1,Y1,Z1",
              "draw only what lies between two corners, world coordinates");
 }
 
-Error
-RegionRequest::parse()
-{
+Error RegionRequest::parse() {
   if (text == "all") return {};
   std::vector<double> values;
   const bool read = parseNumberList(text, values) && values.size() == 6;
@@ -238,18 +203,14 @@ RegionRequest::parse()
               text + "'"};
 }
 
-std::array<double, 6>
-RegionRequest::bounds(const BoundingSpheres& object) const
-{
+std::array<double, 6> RegionRequest::bounds(const BoundingSpheres& object) const {
   if (sides.empty()) return boundsOf(object);
   std::array<double, 6> bounds;
   for (std::size_t k = 0; k < 6; ++k) bounds[k] = k % 2 == 0 ? sides[k].offset : -sides[k].offset;
   return bounds;
 }
 
-WorldBox
-RegionRequest::box() const
-{
+WorldBox RegionRequest::box() const {
   WorldBox box;
   for (std::size_t a = 0; a < 3; ++a) {
     box[0][a] = sides[2 * a].offset;
@@ -258,9 +219,8 @@ RegionRequest::box() const
   return box;
 }
 
-Result<BoundingSpheres>
-RegionRequest::within(const BoundingSpheres& object, const WorldBox* whole) const
-{
+Result<BoundingSpheres> RegionRequest::within(const BoundingSpheres& object,
+                                              const WorldBox* whole) const {
   if (sides.empty()) return object;
   BoundingSpheres part = object;
   part.spheres.clear();

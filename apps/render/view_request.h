@@ -66,7 +66,8 @@ struct RegionRequest {
   std::string text = "all";
   std::vector<HalfSpace> sides;  ///< of text, world coordinates; empty: no box
 
-  /** \brief x0, x1, y0, y1, z0, z1 of the box, once parse() has gone well; an object's own without one. */
+  /** \brief x0, x1, y0, y1, z0, z1 of the box, once parse() has gone well; an object's own without
+   * one. */
   std::array<double, 6> bounds(const BoundingSpheres& object) const;
 
   /** \brief Its corners, once parse() has gone well; only where there is a box. */
@@ -78,7 +79,8 @@ struct RegionRequest {
   /** \brief Reads text. */
   Error parse();
 
-  /** \brief What a camera has to look at. \param[in] whole where the object is, if only a part of it is given
+  /** \brief What a camera has to look at. \param[in] whole where the object is, if only a part of
+   * it is given
    * \return an error that gives the object's position when the box contains nothing of it */
   Result<BoundingSpheres> within(const BoundingSpheres& object,
                                  const WorldBox* whole = nullptr) const;

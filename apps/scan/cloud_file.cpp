@@ -18,9 +18,7 @@ namespace pcl_slim {
 namespace {
 
 /** A field of colours that is packed into four bytes, or null. */
-const pcl::PCLPointField*
-packedField(const pcl::PCLPointCloud2& points)
-{
+const pcl::PCLPointField* packedField(const pcl::PCLPointCloud2& points) {
   for (const char* name : {"rgba", "rgb"}) {
     const int i = findField(points, name);
     if (i < 0) continue;
@@ -33,9 +31,7 @@ packedField(const pcl::PCLPointCloud2& points)
 }
 
 /** The fields of blue, green and red, or nothing. */
-std::vector<const pcl::PCLPointField*>
-channelFields(const pcl::PCLPointCloud2& points)
-{
+std::vector<const pcl::PCLPointField*> channelFields(const pcl::PCLPointCloud2& points) {
   std::vector<const pcl::PCLPointField*> fields;
   for (const auto& names : {std::array<const char*, 3>{"blue", "green", "red"},
                             std::array<const char*, 3>{"b", "g", "r"}}) {
@@ -49,18 +45,14 @@ channelFields(const pcl::PCLPointCloud2& points)
   return {};
 }
 
-double
-whiteOf(double largest, bool fractions)
-{
+double whiteOf(double largest, bool fractions) {
   if (fractions && largest <= 1.0) return 1.0;
   return largest <= 255.0 ? 255.0 : std::max(largest, 65535.0);
 }
 
-/** Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their
- * white is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
-void
-adoptColors(CloudFile& cloud)
-{
+/** Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their white
+ * is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
+void adoptColors(CloudFile& cloud) {
   const pcl::PCLPointCloud2& points = cloud.file.cloud;
   const auto fields = channelFields(points);
   if (fields.empty() || packedField(points) != nullptr) return;
@@ -85,9 +77,7 @@ adoptColors(CloudFile& cloud)
 
 }  // namespace
 
-ColorView
-colorsOf(const CloudFile& cloud)
-{
+ColorView colorsOf(const CloudFile& cloud) {
   const pcl::PCLPointCloud2& points = cloud.file.cloud;
   if (const auto* field = packedField(points)) {
     return {points.data.data() + field->offset, points.point_step};
@@ -99,9 +89,7 @@ colorsOf(const CloudFile& cloud)
 namespace {
 
 /** Whether each edge is run along once in either direction. */
-bool
-isClosed(const PointFile& mesh)
-{
+bool isClosed(const PointFile& mesh) {
   std::vector<std::uint64_t> edges, opposite;
   for (std::size_t f = 0; f < mesh.numFaces(); ++f) {
     const std::uint32_t begin = mesh.face_begin[f], end = mesh.face_begin[f + 1];
@@ -119,9 +107,7 @@ isClosed(const PointFile& mesh)
 }
 
 /** Six times the volume that the faces enclose; below 0 where they face inwards. */
-double
-volumeOf(const std::function<Vector3(std::uint32_t)>& position, const PointFile& mesh)
-{
+double volumeOf(const std::function<Vector3(std::uint32_t)>& position, const PointFile& mesh) {
   const Vector3 origin = position(mesh.face_vertices[0]);
   const auto corner = [&](std::uint32_t k) {
     return subtract(position(mesh.face_vertices[k]), origin);
@@ -135,12 +121,11 @@ volumeOf(const std::function<Vector3(std::uint32_t)>& position, const PointFile&
   return volume;
 }
 
-/** \brief Turns the faces of a closed mesh round if they face inwards: if every edge has two faces, which
- * run along it in opposite directions, and the volume they enclose is negative.
+/** \brief Turns the faces of a closed mesh round if they face inwards: if every edge has two faces,
+ * which run along it in opposite directions, and the volume they enclose is negative.
  * \param[in] position of a vertex \return whether it did. O(faces log faces). */
-bool
-turnOutwards(const std::function<std::array<double, 3>(std::uint32_t)>& position, PointFile& mesh)
-{
+bool turnOutwards(const std::function<std::array<double, 3>(std::uint32_t)>& position,
+                  PointFile& mesh) {
   if (!isClosed(mesh) || !(volumeOf(position, mesh) < 0.0)) return false;
   for (std::size_t f = 0; f < mesh.numFaces(); ++f) {
     const auto first = mesh.face_vertices.begin();
@@ -153,10 +138,8 @@ constexpr const char* kCoordinates[3] = {"x", "y", "z"};
 constexpr const char* kNormals[3] = {"normal_x", "normal_y", "normal_z"};
 constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
 
-bool
-findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
-           const pcl::PCLPointField* (&fields)[3])
-{
+bool findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
+                const pcl::PCLPointField* (&fields)[3]) {
   for (int k = 0; k < 3; ++k) {
     const int i = findField(cloud, names[k]);
     if (i < 0) return false;
@@ -166,10 +149,8 @@ findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
 }
 
 /** Whether three fields are consecutive values of this type at addresses aligned for it. */
-bool
-usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3],
-              std::uint8_t type, std::size_t size)
-{
+bool usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3],
+                   std::uint8_t type, std::size_t size) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (fields[k]->datatype != type || fields[k]->offset != fields[0]->offset + k * size)
       return false;
@@ -179,9 +160,8 @@ usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const 
 }
 
 template <typename T>
-std::vector<T>
-copyTriple(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3])
-{
+std::vector<T> copyTriple(const pcl::PCLPointCloud2& cloud,
+                          const pcl::PCLPointField* const (&fields)[3]) {
   std::vector<T> values(numPoints(cloud) * 3);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = static_cast<T>(fieldValue(cloud, i / 3, *fields[i % 3]));
@@ -190,9 +170,7 @@ copyTriple(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&f
 }
 
 /** Sum of the faces' area vectors around each vertex, made unit; zero where there is no face. */
-std::vector<float>
-meshNormals(const PointFile& file, const CloudView& view)
-{
+std::vector<float> meshNormals(const PointFile& file, const CloudView& view) {
   std::vector<std::array<double, 3>> sums(view.size);
   for (std::size_t f = 0; f < file.numFaces(); ++f) {
     const std::uint32_t* corners = file.face_vertices.data() + file.face_begin[f];
@@ -223,9 +201,7 @@ meshNormals(const PointFile& file, const CloudView& view)
 }
 
 /** Takes the places that points were seen from out of their fields, unless all are 0: unknown. */
-void
-adoptSensors(CloudFile& cloud)
-{
+void adoptSensors(CloudFile& cloud) {
   const pcl::PCLPointField* fields[3];
   if (!findTriple(cloud.file.cloud, kSensors, fields)) return;
   std::vector<double> places = copyTriple<double>(cloud.file.cloud, fields);
@@ -233,9 +209,7 @@ adoptSensors(CloudFile& cloud)
   if (known) cloud.sensors = std::move(places);
 }
 
-void
-adoptNormals(CloudFile& cloud)
-{
+void adoptNormals(CloudFile& cloud) {
   const pcl::PCLPointField* fields[3];
   if (findTriple(cloud.file.cloud, kNormals, fields)) {
     cloud.normal_source = NormalSource::kFields;
@@ -253,17 +227,13 @@ adoptNormals(CloudFile& cloud)
 
 }  // namespace
 
-std::array<double, 3>
-CloudFile::sensor() const
-{
+std::array<double, 3> CloudFile::sensor() const {
   const Eigen::Vector4f& at = file.sensor_origin;
   if (!at.head<3>().allFinite()) return {};
   return {at[0], at[1], at[2]};
 }
 
-CloudView
-CloudFile::view(bool with_normals) const
-{
+CloudView CloudFile::view(bool with_normals) const {
   CloudView view;
   const std::array<double, 3> at = sensor();
   // An organized cloud has its sensor even at 0, others may have none that is known.
@@ -295,17 +265,13 @@ CloudFile::view(bool with_normals) const
   return view;
 }
 
-Result<CloudFile>
-loadCloudFile(const std::string& path)
-{
+Result<CloudFile> loadCloudFile(const std::string& path) {
   Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
   return asCloudFile(std::move(*file), path);
 }
 
-Result<CloudFile>
-asCloudFile(PointFile file, const std::string& name)
-{
+Result<CloudFile> asCloudFile(PointFile file, const std::string& name) {
   CloudFile cloud;
   cloud.file = std::move(file);
   const pcl::PCLPointCloud2& points = cloud.file.cloud;
@@ -332,8 +298,8 @@ asCloudFile(PointFile file, const std::string& name)
 
 namespace {
 
-/** A cloud's finite points as floats PCL can square: from the first of them, and where they are very
- * large or small, scaled by a power of two. */
+/** A cloud's finite points as floats PCL can square: from the first of them, and where they are
+ * very large or small, scaled by a power of two. */
 struct PlainPoints {
   pcl::PointCloud<pcl::PointXYZ>::Ptr points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   std::vector<std::size_t> source;  ///< the point of the cloud that each is
@@ -343,9 +309,7 @@ struct PlainPoints {
   double local(double world, std::size_t axis) const { return scale * (world - origin[axis]); }
 };
 
-PlainPoints
-plainPoints(const CloudView& view)
-{
+PlainPoints plainPoints(const CloudView& view) {
   PlainPoints plain;
   double largest = 0;
   for (std::size_t i = 0; i < view.size; ++i) {
@@ -372,9 +336,7 @@ plainPoints(const CloudView& view)
 
 }  // namespace
 
-Error
-estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud)
-{
+Error estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud) {
   const PlainPoints plain = plainPoints(cloud.view());
   cloud.normals.assign(cloud.size() * 3, 0.0f);
   cloud.normal_source = NormalSource::kEstimated;
@@ -399,31 +361,23 @@ estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudF
 
 namespace {
 
-bool
-isReal(const pcl::PCLPointField& field)
-{
+bool isReal(const pcl::PCLPointField& field) {
   return field.datatype == pcl::PCLPointField::FLOAT32 ||
          field.datatype == pcl::PCLPointField::FLOAT64;
 }
 
-std::size_t
-realSize(std::uint8_t type)
-{
+std::size_t realSize(std::uint8_t type) {
   return type == pcl::PCLPointField::FLOAT64 ? sizeof(double) : sizeof(float);
 }
 
 /** Bytes of a field, with all its elements. */
-std::size_t
-fieldBytes(const pcl::PCLPointField& field)
-{
+std::size_t fieldBytes(const pcl::PCLPointField& field) {
   static constexpr std::size_t kSize[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 1};
   const std::size_t size = field.datatype < std::size(kSize) ? kSize[field.datatype] : 0;
   return size * std::max<std::size_t>(field.count, 1);
 }
 
-void
-storeReal(unsigned char* at, bool is_double, double value)
-{
+void storeReal(unsigned char* at, bool is_double, double value) {
   if (is_double) {
     std::memcpy(at, &value, sizeof(value));
     return;
@@ -433,10 +387,8 @@ storeReal(unsigned char* at, bool is_double, double value)
 }
 
 /** Copies one field of every point to its place in another layout, changing its type if need be. */
-void
-moveField(const pcl::PCLPointCloud2& from, const pcl::PCLPointField& source,
-          const pcl::PCLPointField& target, pcl::PCLPointCloud2& to)
-{
+void moveField(const pcl::PCLPointCloud2& from, const pcl::PCLPointField& source,
+               const pcl::PCLPointField& target, pcl::PCLPointCloud2& to) {
   const std::size_t bytes = fieldBytes(source);
   for (std::size_t i = 0; i < numPoints(from); ++i) {
     unsigned char* at = to.data.data() + i * to.point_step + target.offset;
@@ -451,9 +403,8 @@ moveField(const pcl::PCLPointCloud2& from, const pcl::PCLPointField& source,
 
 }  // namespace
 
-PointFile
-withRealFields(const PointFile& file, const std::vector<std::string>& names, std::uint8_t type)
-{
+PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
+                         std::uint8_t type) {
   const pcl::PCLPointCloud2& from = file.cloud;
   std::vector<pcl::PCLPointField> fields = from.fields;
   bool same = true;
@@ -499,16 +450,13 @@ withRealFields(const PointFile& file, const std::vector<std::string>& names, std
 }
 
 FieldWriter::FieldWriter(pcl::PCLPointCloud2& cloud, const std::string& name)
-    : step_(cloud.point_step)
-{
+    : step_(cloud.point_step) {
   const auto& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
   first_ = cloud.data.data() + field.offset;
   double_ = realSize(field.datatype) == sizeof(double);
 }
 
-void
-FieldWriter::set(std::size_t point, double value) const
-{
+void FieldWriter::set(std::size_t point, double value) const {
   storeReal(first_ + point * step_, double_, value);
 }
 

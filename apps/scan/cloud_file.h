@@ -19,11 +19,11 @@ enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
 
 /** \brief A scan as a program works on it: the file with all its fields, and a view of its points.
  *
- * Coordinates are read in the file's own precision, without a copy where their layout is one of CloudView's
- * own. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
- * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is turned
- * outwards. The places that points were seen from come from the fields vp_x vp_y vp_z, unless all of them are
- * zero.
+ * Coordinates are read in the file's own precision, without a copy where their layout is one of
+ * CloudView's own. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its
+ * faces, weighted by area; vertices no face names then have none. A closed mesh whose faces face
+ * inwards is turned outwards. The places that points were seen from come from the fields vp_x vp_y
+ * vp_z, unless all of them are zero.
  */
 struct CloudFile {
   PointFile file;
@@ -48,46 +48,42 @@ struct CloudFile {
   CloudView view(bool with_normals = true) const;
 };
 
-/** \brief Loads a file of any format of loadPointFile(). A missing, foreign, truncated or coordinate-less file gives
- * an error; one without points does not. */
-Result<CloudFile>
-loadCloudFile(const std::string& path);
+/** \brief Loads a file of any format of loadPointFile(). A missing, foreign, truncated or
+ * coordinate-less file gives an error; one without points does not. */
+Result<CloudFile> loadCloudFile(const std::string& path);
 
 /** \brief A cloud of points that are read already. \param[in] name what an error calls them. */
-Result<CloudFile>
-asCloudFile(PointFile file, const std::string& name);
+Result<CloudFile> asCloudFile(PointFile file, const std::string& name);
 
 /** \brief The colours of a cloud's points, in its field rgba or rgb where that is packed into four
  * bytes, or those that loading brought to bytes; null without. Valid as long as view() is. */
-ColorView
-colorsOf(const CloudFile& cloud);
+ColorView colorsOf(const CloudFile& cloud);
 
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
  *
  * They point to the viewpoint (world coordinates; empty: the points' sensors, or the file's).
  * \param[in] threads 0: all cores. \return an error for a k beyond the number of finite points.
  */
-Error
-estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
+Error estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
 
 /** \brief Appends the points of further registered frames to those of a first one.
  *
- * The points become one row, in the order of the files; the fields vp_x vp_y vp_z have the place that each was seen
- * from: a frame's own fields of these names or, where they are missing or 0, its VIEWPOINT. The field frame has the
- * frames' numbers, from 0 on, unless the frames have a field of that name. \return an error for a frame that cannot be
- * read, has other fields than the first, or has faces. O(points).
+ * The points become one row, in the order of the files; the fields vp_x vp_y vp_z have the place
+ * that each was seen from: a frame's own fields of these names or, where they are missing or 0, its
+ * VIEWPOINT. The field frame has the frames' numbers, from 0 on, unless the frames have a field of
+ * that name. \return an error for a frame that cannot be read, has other fields than the first, or
+ * has faces. O(points).
  * \param[in] name of the first frame's file, for messages. \param[in] others further files
  * \param[out] numbers of the frame of each point
  */
-Error
-mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
-            std::vector<std::uint32_t>& numbers);
+Error mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
+                  std::vector<std::uint32_t>& numbers);
 
 /** \brief Numbers the frames of a cloud by the values of a field, in ascending order.
- * \return an error where there is no such field or one of its values is not finite. O(points log frames). */
-Error
-framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
-              std::vector<std::uint32_t>& numbers);
+ * \return an error where there is no such field or one of its values is not finite. O(points log
+ * frames). */
+Error framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+                    std::vector<std::uint32_t>& numbers);
 
 /** \brief A copy of a point file in which these fields can be written as real numbers.
  *
@@ -95,8 +91,8 @@ framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
  * one that is not there is added at the end as type, with zeros. \param[in] type
  * pcl::PCLPointField::FLOAT32 or FLOAT64. O(bytes of the cloud).
  */
-PointFile
-withRealFields(const PointFile& file, const std::vector<std::string>& names, std::uint8_t type);
+PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
+                         std::uint8_t type);
 
 /** \brief Writes one field of type FLOAT32 or FLOAT64, point by point; from several threads if
  * they write different points. */

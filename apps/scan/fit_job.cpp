@@ -21,9 +21,7 @@ namespace {
 constexpr std::uint64_t kMany = 1000000000000000000u;
 constexpr double kBytesOfPoint = 60;  ///< that a fit takes at least while the store is built
 
-const char*
-normalSourceName(NormalSource source)
-{
+const char* normalSourceName(NormalSource source) {
   switch (source) {
     case NormalSource::kFields: return "fields";
     case NormalSource::kMesh: return "mesh";
@@ -34,9 +32,7 @@ normalSourceName(NormalSource source)
 
 }  // namespace
 
-void
-declareFitOptions(OptionTable& options, FitJob& job)
-{
+void declareFitOptions(OptionTable& options, FitJob& job) {
   options.integer("degree", &job.given.degree, 1, 4, "degree of the polynomials",
                   "4, with -sharp 2");
   options.number("penalty", &job.given.penalty, 1e-6, 1e6,
@@ -95,9 +91,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
     options.exclusive({"noise_model", name});
 }
 
-void
-declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
-{
+void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job) {
   options.text("surface", &surface, "FILE",
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job);
@@ -111,9 +105,7 @@ declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
   }
 }
 
-void
-declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help)
-{
+void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help) {
   options.numbers("viewpoint", &job.viewpoint, "X,Y,Z", viewpoint_help);
   options.text(
       "trajectory", &job.trajectory, "FILE",
@@ -130,9 +122,7 @@ declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewp
   options.exclusive({"viewpoint", "trajectory"});
 }
 
-void
-declareTrimOptions(OptionTable& options, FitJob& job)
-{
+void declareTrimOptions(OptionTable& options, FitJob& job) {
   job.params.trim = true;
   options.toggle("trim", &job.params.trim,
                  "end the surface where the scan ends, and keep the scan's holes");
@@ -140,9 +130,7 @@ declareTrimOptions(OptionTable& options, FitJob& job)
                  "diameter of the smallest hole kept, in spacings of the points");
 }
 
-void
-declareColorOption(OptionTable& options, FitJob& job)
-{
+void declareColorOption(OptionTable& options, FitJob& job) {
   job.color = true;
   options.toggle("color", &job.color, "give the surface the colours of the scan's points");
 }
@@ -150,17 +138,13 @@ declareColorOption(OptionTable& options, FitJob& job)
 namespace {
 
 /** Three numbers, if they were given. */
-std::optional<std::array<double, 3>>
-triple(const std::vector<double>& numbers)
-{
+std::optional<std::array<double, 3>> triple(const std::vector<double>& numbers) {
   if (numbers.size() != 3) return std::nullopt;
   return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
 }
 
 /** Transfers -correlation, -noise_model, -lambda and -normal_error to the parameters. */
-Error
-finishNoiseOptions(FitJob& job)
-{
+Error finishNoiseOptions(FitJob& job) {
   FitParams& params = job.params;
   if (job.correlation == "off") {
     params.noise_correlation = 1;
@@ -179,9 +163,7 @@ finishNoiseOptions(FitJob& job)
 }
 
 /** What decides how fine the surface is: of these options one can be given. */
-SizeRule
-sizeRule(const FitJob::Given& given)
-{
+SizeRule sizeRule(const FitJob::Given& given) {
   if (given.t_mdl > 0) return MDLThreshold{given.t_mdl};
   if (given.target_error > 0) return TargetError{given.target_error};
   if (given.max_surfels > 0) return MaxSurfels{given.max_surfels};
@@ -191,9 +173,7 @@ sizeRule(const FitJob::Given& given)
 
 }  // namespace
 
-Error
-finishFitOptions(FitJob& job)
-{
+Error finishFitOptions(FitJob& job) {
   if (Error error = finishNoiseOptions(job)) return error;
   job.params.degree = unlessZero(job.given.degree);
   job.params.size = sizeRule(job.given);
@@ -210,9 +190,7 @@ finishFitOptions(FitJob& job)
 namespace {
 
 /** Where the points were seen from: given by the user, or else by the fields. */
-Error
-placeSensors(const FitJob& job, CloudFile& cloud)
-{
+Error placeSensors(const FitJob& job, CloudFile& cloud) {
   if (job.trajectory.empty()) {
     if (!job.time_field.empty() || job.time_offset != 0) {
       return {
@@ -230,9 +208,7 @@ placeSensors(const FitJob& job, CloudFile& cloud)
   return {};
 }
 
-std::vector<std::string>
-frameFiles(const FitJob& job)
-{
+std::vector<std::string> frameFiles(const FitJob& job) {
   std::vector<std::string> files;
   std::istringstream list(job.frames);
   for (std::string file; std::getline(list, file, ',');) files.push_back(file);
@@ -240,9 +216,7 @@ frameFiles(const FitJob& job)
 }
 
 /** Loads a scan with its further frames. */
-Result<CloudFile>
-loadFrames(const std::string& path, const FitJob& job)
-{
+Result<CloudFile> loadFrames(const std::string& path, const FitJob& job) {
   Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
   std::vector<std::uint32_t> numbers;
@@ -259,9 +233,7 @@ loadFrames(const std::string& path, const FitJob& job)
 }
 
 /** How many places points were seen from, up to a number. */
-std::size_t
-countPlaces(const CloudFile& cloud, std::size_t most)
-{
+std::size_t countPlaces(const CloudFile& cloud, std::size_t most) {
   std::set<std::array<double, 3>> places;
   for (std::size_t i = 0; i < cloud.sensors.size() && places.size() < most; i += 3)
     places.insert({cloud.sensors[i], cloud.sensors[i + 1], cloud.sensors[i + 2]});
@@ -269,9 +241,7 @@ countPlaces(const CloudFile& cloud, std::size_t most)
 }
 
 /** What a user reads of a scan's frames. */
-std::string
-frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames)
-{
+std::string frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames) {
   std::string note = counted(frames, "frame");
   if (!job.frame_field.empty()) return note + ", numbered by field " + job.frame_field;
   if (!job.viewpoint.empty() || !job.trajectory.empty()) return note;
@@ -282,9 +252,7 @@ frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames)
 }
 
 /** Prints and reports the scan's frames and where the places of sensors are from. */
-void
-reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, Report& report)
-{
+void reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, Report& report) {
   if (!cloud.frames.empty()) {
     const std::size_t frames = 1 + *std::max_element(cloud.frames.begin(), cloud.frames.end());
     report.json()["frames"] = frames;
@@ -301,17 +269,14 @@ reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, Repor
 
 }  // namespace
 
-std::vector<std::string>
-filesRead(const FitJob& job, std::vector<std::string> others)
-{
+std::vector<std::string> filesRead(const FitJob& job, std::vector<std::string> others) {
   for (const std::string& file : frameFiles(job)) others.push_back(file);
   others.push_back(job.trajectory);
   return others;
 }
 
-Result<CloudFile>
-loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
-{
+Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& console,
+                           Report& report) {
   console.begin("Loading " + path);
   Result<CloudFile> cloud = loadFrames(path, job);
   if (!cloud) return console.failed(cloud.error());
@@ -338,16 +303,12 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   return cloud;
 }
 
-bool
-holdsSurface(const std::string& path, const CloudFile* cloud)
-{
+bool holdsSurface(const std::string& path, const CloudFile* cloud) {
   return lowerExtension(path) == ".slim" ||
          (cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0);
 }
 
-Error
-loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface)
-{
+Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface) {
   console.begin("Loading " + path);
   Result<SLIMSurface> loaded = loadSurface(path);
   if (!loaded) return console.failed(loaded.error());
@@ -361,9 +322,8 @@ loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface
 namespace {
 
 /** Why options about the noise had no effect, one line each. */
-void
-addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std::string>& notes)
-{
+void addNoiseNotes(const FitParams& params, const FitStatistics& fit,
+                   std::vector<std::string>& notes) {
   const char* given = params.lambda           ? "-lambda"
                       : params.hasThreshold() ? "-t_mdl"
                       : params.paper_mode     ? "-paper"
@@ -379,9 +339,7 @@ addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std
 }
 
 /** Why -sides 0 had no effect, or null. */
-const char*
-whyNoSides(const FitParams& params, const FitStatistics& fit)
-{
+const char* whyNoSides(const FitParams& params, const FitStatistics& fit) {
   if (params.sides) return nullptr;
   if (fit.sides.source == SideSource::kNormals) return "the scan has normals";
   if (fit.sides.source == SideSource::kViewpoint) return "a viewpoint gives the sides";
@@ -391,9 +349,8 @@ whyNoSides(const FitParams& params, const FitStatistics& fit)
 }
 
 /** Options that had no effect on this scan, one line each. */
-std::vector<std::string>
-unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
-{
+std::vector<std::string> unusedNotes(const FitJob& job, const CloudFile& cloud,
+                                     const FitStatistics& fit) {
   std::vector<std::string> notes;
   addNoiseNotes(job.params, fit, notes);
   const auto* most = std::get_if<MaxSurfels>(&job.params.size);
@@ -425,10 +382,8 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
 
 }  // namespace
 
-Error
-fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
-        SLIMSurface& surface, PointStore* kept)
-{
+Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
+              SLIMSurface& surface, PointStore* kept) {
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");

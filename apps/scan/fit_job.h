@@ -14,9 +14,7 @@
 namespace pcl_slim {
 
 /** \brief The defaults of a fit whose surface nobody sees. */
-inline FitParams
-withoutTrim()
-{
+inline FitParams withoutTrim() {
   FitParams params;
   params.trim = false;
   return params;
@@ -49,52 +47,45 @@ struct FitJob {
 };
 
 /** \brief Adds the options of a fit. The job must outlive the table's parse(). */
-void
-declareFitOptions(OptionTable& options, FitJob& job);
+void declareFitOptions(OptionTable& options, FitJob& job);
 
 /** \brief Adds -surface, a surface in place of a fit, and the options of a fit; the latter have
  * no effect with -surface. */
-void
-declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
+void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
 
 /** \brief Adds -viewpoint, with this help, and those of a trajectory. */
-void
-declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help);
+void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help);
 
-/** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
-void
-declareTrimOptions(OptionTable& options, FitJob& job);
+/** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none.
+ */
+void declareTrimOptions(OptionTable& options, FitJob& job);
 
-/** \brief Adds that of colours, for programs whose surface is kept, drawn or sampled; others fit none. */
-void
-declareColorOption(OptionTable& options, FitJob& job);
+/** \brief Adds that of colours, for programs whose surface is kept, drawn or sampled; others fit
+ * none. */
+void declareColorOption(OptionTable& options, FitJob& job);
 
 /** \brief Brings the options read into the parameters and checks them. */
-Error
-finishFitOptions(FitJob& job);
+Error finishFitOptions(FitJob& job);
 
 /** \brief The files that a job reads besides the scan itself, after others; empty names: none. */
-std::vector<std::string>
-filesRead(const FitJob& job, std::vector<std::string> others = {});
+std::vector<std::string> filesRead(const FitJob& job, std::vector<std::string> others = {});
 
 /** \brief Loads a scan, with normals as the job needs them; prints and reports it. */
-Result<CloudFile>
-loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
+Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& console,
+                           Report& report);
 
-/** \brief Whether an input can only be a surface (.slim), or its fields, once loaded, show that it is one. */
-bool
-holdsSurface(const std::string& path, const CloudFile* cloud);
+/** \brief Whether an input can only be a surface (.slim), or its fields, once loaded, show that it
+ * is one. */
+bool holdsSurface(const std::string& path, const CloudFile* cloud);
 
 /** \brief Loads a surface; prints and reports it. */
-Error
-loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface);
+Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface);
 
 /** \brief Fits a surface to a scan; prints and reports what was done and what was skipped.
  * \param[out] kept the store of the scan, for further work with it (may be null); also set where
  * the error is that the points are no surface. */
-Error
-fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
-        SLIMSurface& surface, PointStore* kept = nullptr);
+Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
+              SLIMSurface& surface, PointStore* kept = nullptr);
 
 /** \brief The part of a report about the points that a surface was fitted to. */
 struct FittedPoints {
@@ -105,40 +96,34 @@ struct FittedPoints {
 };
 
 /** \brief The points of one store. */
-FittedPoints
-fittedPoints(const PointStore& store);
+FittedPoints fittedPoints(const PointStore& store);
 
 /** \brief What a fit came to, into the report. */
-void
-reportFit(const FittedPoints& points, const SLIMSurface& surface, const FitStatistics& fit,
-          Report& report);
+void reportFit(const FittedPoints& points, const SLIMSurface& surface, const FitStatistics& fit,
+               Report& report);
 
 /** \brief A surface read in place of a fit, into the report: its lambda under a fit's key. */
-void
-reportSurface(const std::string& path, const SLIMSurface& surface, Report& report);
+void reportSurface(const std::string& path, const SLIMSurface& surface, Report& report);
 
 /** \brief "1 level", "3 levels". */
-std::string
-counted(std::uint64_t count, const std::string& what);
+std::string counted(std::uint64_t count, const std::string& what);
 
-/** \brief "noise 1.9 RMS, white"-like line: sigma in the scan's units and what kind of noise it is. */
-std::string
-noiseText(double diagonal, const FitStatistics& fit);
+/** \brief "noise 1.9 RMS, white"-like line: sigma in the scan's units and what kind of noise it is.
+ */
+std::string noiseText(double diagonal, const FitStatistics& fit);
 
-/** \brief "solved: penalty 618, residual 0.002 of the diagonal; -noise_factor 206 repeats it": what a fit to a target came to. */
-std::string
-solvedText(const FitStatistics& fit);
+/** \brief "solved: penalty 618, residual 0.002 of the diagonal; -noise_factor 206 repeats it": what
+ * a fit to a target came to. */
+std::string solvedText(const FitStatistics& fit);
 
-/** \brief How many points got a side before the cover, and how sure those are; empty if none did. */
-std::string
-sidesText(const FitStatistics& fit);
+/** \brief How many points got a side before the cover, and how sure those are; empty if none did.
+ */
+std::string sidesText(const FitStatistics& fit);
 
 /** \brief "points skipped: 32 non-finite, 4 duplicate", or nothing. */
-std::string
-skippedText(const PointStoreStatistics& points);
+std::string skippedText(const PointStoreStatistics& points);
 
 /** \brief Lines about points that no leaf covers; none if all are covered. */
-std::vector<std::string>
-coverNotes(const FitStatistics& fit);
+std::vector<std::string> coverNotes(const FitStatistics& fit);
 
 }  // namespace pcl_slim

@@ -25,9 +25,7 @@ struct Settings {
   std::unique_ptr<PointSource> source;  ///< of a scan that is fitted by tiles
 };
 
-OptionTable
-declareOptions(const char* program, const char* version, Settings& s)
-{
+OptionTable declareOptions(const char* program, const char* version, Settings& s) {
   OptionTable options(program, version,
                       "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
   options.positional("IN", &s.files.input, kScanHelp);
@@ -46,9 +44,7 @@ declareOptions(const char* program, const char* version, Settings& s)
 }
 
 /** Checks the options that can be checked before the input is read. */
-Error
-checkSettings(Settings& s)
-{
+Error checkSettings(Settings& s) {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
   if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
@@ -61,10 +57,8 @@ checkSettings(Settings& s)
   return {};
 }
 
-Error
-makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report& report,
-            ScanResult& result)
-{
+Error makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report& report,
+                  ScanResult& result) {
   const auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.job, cloud, console, report, *surface)) return error;
   result.save = [&s, surface] { return saveSurface(s.files.output, *surface, s.rounding); };
@@ -72,9 +66,7 @@ makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report&
   return {};
 }
 
-Result<bool>
-openScan(Settings& s, bool asked, Console& console)
-{
+Result<bool> openScan(Settings& s, bool asked, Console& console) {
   s.tiles.asked = asked;
   s.tiles.max_memory = s.files.max_memory;
   if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, s.source)) return error;
@@ -82,9 +74,7 @@ openScan(Settings& s, bool asked, Console& console)
 }
 
 /** A name for the blocks of a surface that is written in another form. */
-std::string
-scratchFile(const std::string& folder)
-{
+std::string scratchFile(const std::string& folder) {
   std::error_code code;
   const fs::path place = folder.empty() ? fs::temp_directory_path(code) : fs::path(folder);
   const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
@@ -92,9 +82,8 @@ scratchFile(const std::string& folder)
 }
 
 /** Brings blocks from a scratch file, which is removed, into pieces for ParaView. */
-Error
-makePieces(const Settings& s, const std::string& file, SlimBlockWriter& blocks, ScanResult& result)
-{
+Error makePieces(const Settings& s, const std::string& file, SlimBlockWriter& blocks,
+                 ScanResult& result) {
   if (Error error = blocks.finish()) return error;
   const auto reader = std::make_shared<SlimBlockReader>();
   Error error = reader->open(file);
@@ -107,9 +96,7 @@ makePieces(const Settings& s, const std::string& file, SlimBlockWriter& blocks, 
   return {};
 }
 
-Error
-streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result)
-{
+Error streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result) {
   const auto made = std::make_shared<TiledSurface>();
   const auto blocks = std::make_shared<SlimBlockWriter>();
   const std::string extension = lowerExtension(s.files.output);
@@ -137,10 +124,8 @@ streamSurface(const Settings& s, Console& console, Report& report, ScanResult& r
 
 }  // namespace
 
-int
-runFitProgram(const char* program, const char* version, int argc, const char* const* argv,
-              Ranks* ranks)
-{
+int runFitProgram(const char* program, const char* version, int argc, const char* const* argv,
+                  Ranks* ranks) {
   Settings s;
   s.tiles.ranks = ranks;
   if (ranks != nullptr) s.job.params.threads = 1;

@@ -5,11 +5,10 @@
 
 namespace pcl_slim {
 
-/** \brief The program pcl_slim_fit: reads the arguments, fits a surface to a scan, in memory or by tiles,
- * and writes it. \param[in] ranks of a job, which fit by tiles together: the first one writes; null: this
- * process alone \return the exit status; messages are printed. */
-int
-runFitProgram(const char* program, const char* version, int argc, const char* const* argv,
-              Ranks* ranks = nullptr);
+/** \brief The program pcl_slim_fit: reads the arguments, fits a surface to a scan, in memory or by
+ * tiles, and writes it. \param[in] ranks of a job, which fit by tiles together: the first one
+ * writes; null: this process alone \return the exit status; messages are printed. */
+int runFitProgram(const char* program, const char* version, int argc, const char* const* argv,
+                  Ranks* ranks = nullptr);
 
 }  // namespace pcl_slim

@@ -7,17 +7,13 @@
 
 namespace pcl_slim {
 
-FittedPoints
-fittedPoints(const PointStore& store)
-{
+FittedPoints fittedPoints(const PointStore& store) {
   return {store.size(), store.diagonal() * store.scale(), store.memoryBytes(), store.statistics()};
 }
 
 namespace {
 
-const char*
-sideSourceName(SideSource source)
-{
+const char* sideSourceName(SideSource source) {
   switch (source) {
     case SideSource::kNormals: return "normals";
     case SideSource::kSensors: return "sensors";
@@ -29,9 +25,7 @@ sideSourceName(SideSource source)
 }
 
 /** What a fit left out, and what it had no need to do. */
-nlohmann::ordered_json
-skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
-{
+nlohmann::ordered_json skippedCounts(const FittedPoints& fitted, const FitStatistics& fit) {
   const PointStoreStatistics& points = fitted.statistics;
   return {{"non_finite", points.non_finite},
           {"far_away", points.far_away},
@@ -45,9 +39,7 @@ skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
 }
 
 /** What was measured of the errors, and how points got their sides. */
-void
-addMeasured(const FitStatistics& fit, Report& report)
-{
+void addMeasured(const FitStatistics& fit, Report& report) {
   report.add({{"lambda", fit.lambda},
               {"noise_error", fit.noise.error},
               {"noise_correlation", fit.noise.correlation},
@@ -70,10 +62,8 @@ addMeasured(const FitStatistics& fit, Report& report)
 
 }  // namespace
 
-void
-reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStatistics& fit,
-          Report& report)
-{
+void reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStatistics& fit,
+               Report& report) {
   report.add({{"stored_points", fitted.stored},
               {"outliers", fit.outliers},
               {"surfels", surface.size()},
@@ -118,32 +108,24 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
   report.time("trim", fit.seconds.trim);
 }
 
-void
-reportSurface(const std::string& path, const SLIMSurface& surface, Report& report)
-{
+void reportSurface(const std::string& path, const SLIMSurface& surface, Report& report) {
   report.add({{"surface", path},
               {"surfels", surface.size()},
               {"lambda", surface.info.lambda},
               {"diagonal", surface.info.diagonal * surface.info.scale}});
 }
 
-std::string
-counted(std::uint64_t count, const std::string& what)
-{
+std::string counted(std::uint64_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 /** " +- 3 %" for a relative error; nothing where it is not known. */
-static std::string
-errorText(double error)
-{
+static std::string errorText(double error) {
   if (!(error > 0)) return {};
   return " +- " + std::to_string(static_cast<int>(std::ceil(100 * error))) + " %";
 }
 
-std::string
-noiseText(double diagonal, const FitStatistics& fit)
-{
+std::string noiseText(double diagonal, const FitStatistics& fit) {
   char text[160];
   std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
   std::string line = text + errorText(fit.noise.error);
@@ -160,9 +142,7 @@ noiseText(double diagonal, const FitStatistics& fit)
   return line + (fit.noise.varies ? ", varying over the scan" : "");
 }
 
-std::string
-solvedText(const FitStatistics& fit)
-{
+std::string solvedText(const FitStatistics& fit) {
   char text[160];
   std::snprintf(
       text, sizeof(text),
@@ -171,9 +151,7 @@ solvedText(const FitStatistics& fit)
   return text;
 }
 
-std::string
-sidesText(const FitStatistics& fit)
-{
+std::string sidesText(const FitStatistics& fit) {
   if (fit.sides.points == 0) return "";
   char text[160];
   std::snprintf(
@@ -194,9 +172,7 @@ sidesText(const FitStatistics& fit)
   return line;
 }
 
-std::string
-skippedText(const PointStoreStatistics& points)
-{
+std::string skippedText(const PointStoreStatistics& points) {
   std::string text;
   const auto add = [&text](std::uint64_t count, const char* what) {
     if (count == 0) return;
@@ -209,9 +185,7 @@ skippedText(const PointStoreStatistics& points)
   return text;
 }
 
-std::vector<std::string>
-coverNotes(const FitStatistics& fit)
-{
+std::vector<std::string> coverNotes(const FitStatistics& fit) {
   std::vector<std::string> notes;
   if (fit.outliers > 0) {
     notes.push_back("  " + counted(fit.outliers, "outlier") +

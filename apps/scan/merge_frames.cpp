@@ -13,9 +13,7 @@ const std::vector<std::string> kSensor = {"vp_x", "vp_y", "vp_z"};
 constexpr const char* kFrame = "frame";
 
 /** Whether a frame's points have sensors of their own: fields that are not all 0. */
-bool
-hasOwnSensors(const PointFile& frame)
-{
+bool hasOwnSensors(const PointFile& frame) {
   return std::any_of(kSensor.begin(), kSensor.end(), [&](const std::string& name) {
     const int field = findField(frame.cloud, name);
     if (field < 0) return false;
@@ -27,17 +25,13 @@ hasOwnSensors(const PointFile& frame)
   });
 }
 
-void
-fill(const std::string& name, double value, pcl::PCLPointCloud2& cloud)
-{
+void fill(const std::string& name, double value, pcl::PCLPointCloud2& cloud) {
   const FieldWriter field(cloud, name);
   for (std::size_t i = 0; i < numPoints(cloud); ++i) field.set(i, value);
 }
 
 /** The frame with its sensor and its number in fields. */
-PointFile
-withOrigin(const PointFile& frame, std::uint32_t number)
-{
+PointFile withOrigin(const PointFile& frame, std::uint32_t number) {
   std::vector<std::string> fields = kSensor;
   const bool has_number = findField(frame.cloud, kFrame) >= 0;
   if (!has_number) fields.emplace_back(kFrame);
@@ -50,10 +44,8 @@ withOrigin(const PointFile& frame, std::uint32_t number)
 }
 
 /** Why a frame's points cannot follow those of the first one. */
-Error
-checkFrame(const std::string& first_name, const PointFile& first, const std::string& name,
-           const PointFile& frame)
-{
+Error checkFrame(const std::string& first_name, const PointFile& first, const std::string& name,
+                 const PointFile& frame) {
   if (frame.numFaces() > 0 || first.numFaces() > 0) {
     return {ErrorCode::kBadInput, "'" + (frame.numFaces() > 0 ? name : first_name) +
                                       "' has faces: -frames merges points; name files without"};
@@ -74,17 +66,13 @@ checkFrame(const std::string& first_name, const PointFile& first, const std::str
                                     "'; give frames of the same fields and types"};
 }
 
-void
-setOneRow(std::size_t points, pcl::PCLPointCloud2& cloud)
-{
+void setOneRow(std::size_t points, pcl::PCLPointCloud2& cloud) {
   cloud.width = static_cast<std::uint32_t>(points);
   cloud.height = 1;
   cloud.row_step = cloud.width * cloud.point_step;
 }
 
-void
-append(const pcl::PCLPointCloud2& frame, pcl::PCLPointCloud2& merged)
-{
+void append(const pcl::PCLPointCloud2& frame, pcl::PCLPointCloud2& merged) {
   const std::size_t points = numPoints(merged) + numPoints(frame);
   merged.data.insert(merged.data.end(), frame.data.begin(), frame.data.end());
   merged.is_dense = merged.is_dense && frame.is_dense;
@@ -93,10 +81,8 @@ append(const pcl::PCLPointCloud2& frame, pcl::PCLPointCloud2& merged)
 
 }  // namespace
 
-Error
-mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
-            std::vector<std::uint32_t>& numbers)
-{
+Error mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
+                  std::vector<std::uint32_t>& numbers) {
   if (Error error = checkFrame(name, first, name, first)) return error;
   PointFile merged = withOrigin(first, 0);
   setOneRow(numPoints(merged.cloud), merged.cloud);
@@ -114,10 +100,8 @@ mergeFrames(const std::string& name, const std::vector<std::string>& others, Poi
   return {};
 }
 
-Error
-framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
-              std::vector<std::uint32_t>& numbers)
-{
+Error framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+                    std::vector<std::uint32_t>& numbers) {
   const int found = findField(cloud, field);
   if (found < 0) {
     return {ErrorCode::kBadArgument, "-frame_field: the scan has no field '" + field +

@@ -18,10 +18,8 @@ struct Stop {
 };
 
 /** Loads the scan. \param[out] cloud the scan; none where open() took the input. */
-Stop
-readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Console& console,
-         Report& report, std::optional<CloudFile>& cloud)
-{
+Stop readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Console& console,
+              Report& report, std::optional<CloudFile>& cloud) {
   if (steps.open) {
     const Result<bool> taken = steps.open(console);
     if (!taken) return {kExitUsage, taken.error()};
@@ -34,10 +32,8 @@ readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Con
 }
 
 /** Does the work. */
-Stop
-work(const ScanSteps& steps, const CloudFile* cloud, Console& console, Report& report,
-     ScanResult& result)
-{
+Stop work(const ScanSteps& steps, const CloudFile* cloud, Console& console, Report& report,
+          ScanResult& result) {
   if (cloud != nullptr || !steps.stream)
     return {kExitFailed, steps.work(cloud, console, report, result)};
   const Error error = steps.stream(console, report, result);
@@ -46,10 +42,8 @@ work(const ScanSteps& steps, const CloudFile* cloud, Console& console, Report& r
 }
 
 /** What is done once the arguments are read. */
-int
-runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan, int threads,
-         const ScanSteps& steps)
-{
+int runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan, int threads,
+             const ScanSteps& steps) {
   const auto leave = [&](int status, const Error& error) {
     return fail(options.program(), status, error.message);
   };
@@ -83,17 +77,13 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
 
 }  // namespace
 
-void
-declareReport(OptionTable& options, ScanFiles& files)
-{
+void declareReport(OptionTable& options, ScanFiles& files) {
   options.text("json", &files.json, "FILE", "write a report");
   declareMemoryLimit(options, &files.max_memory);
   options.toggle("quiet", &files.quiet, "say nothing but errors");
 }
 
-Error
-checkFilesDiffer(const ScanFiles& files, const std::vector<std::string>& read)
-{
+Error checkFilesDiffer(const ScanFiles& files, const std::vector<std::string>& read) {
   if (Error error = checkPlaces(read, {files.output, files.json})) return error;
   if (!samePlace(files.input, files.output) && !samePlace(files.json, files.input) &&
       !samePlace(files.json, files.output)) {
@@ -102,9 +92,7 @@ checkFilesDiffer(const ScanFiles& files, const std::vector<std::string>& read)
   return {ErrorCode::kBadArgument, "input, output and report share a file; name different ones"};
 }
 
-Error
-checkPointExtension(const std::string& path, bool las)
-{
+Error checkPointExtension(const std::string& path, bool las) {
   const std::string extension = lowerExtension(path);
   if (extension == ".vtp") return checkPointFileExtension(path);
   if (extension == ".pcd" || extension == ".ply" || (las && extension == ".las")) return {};
@@ -112,19 +100,15 @@ checkPointExtension(const std::string& path, bool las)
                                        (las ? ", .las" : "") + " or .vtp file"};
 }
 
-void
-noteWhatIsNotKept(const std::string& path, bool rows, bool sensor, Console& console)
-{
+void noteWhatIsNotKept(const std::string& path, bool rows, bool sensor, Console& console) {
   const std::string extension = lowerExtension(path);
   if (extension == ".pcd" || !(rows || sensor)) return;
   const std::string what = !sensor ? "rows" : !rows ? "sensor" : "rows and sensor";
   console.note("  " + extension + " does not keep the scan's " + what + "; .pcd does");
 }
 
-int
-runScanProgram(OptionTable& options, int argc, const char* const* argv, const ScanFiles& files,
-               const FitJob& scan, const int& threads, const ScanSteps& steps)
-{
+int runScanProgram(OptionTable& options, int argc, const char* const* argv, const ScanFiles& files,
+                   const FitJob& scan, const int& threads, const ScanSteps& steps) {
   return guarded(options.program(), "use a smaller scan", [&]() -> int {
     if (const auto status = options.parse(argc, argv)) return *status;
     return runSteps(options, files, scan, threads, steps);

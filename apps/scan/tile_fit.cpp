@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A fit by tiles as a program does it: whether a scan is fitted so, what is printed, reported and kept.
+// A fit by tiles as a program does it: whether a scan is fitted so, what is printed, reported and
+// kept.
 #include "scan/tile_fit.h"
 
 #include <algorithm>
@@ -26,9 +27,7 @@ constexpr double kBytesByTiles = 55;        ///< a point of the largest tile, li
 /** What helps where memory is too small for a tile. */
 constexpr const char* kTileRelief = "give fewer -tile_points or -threads";
 
-StreamParams
-streamParams(const FitJob& job, const TileRequest& tiles)
-{
+StreamParams streamParams(const FitJob& job, const TileRequest& tiles) {
   StreamParams params;
   params.fit = job.params;
   params.tile_points = tiles.points;
@@ -39,9 +38,7 @@ streamParams(const FitJob& job, const TileRequest& tiles)
 }
 
 /** What about a job cannot be done by tiles. */
-Error
-checkJob(const FitJob& job, const TileRequest& tiles)
-{
+Error checkJob(const FitJob& job, const TileRequest& tiles) {
   if (job.normal_neighbours > 0) {
     return {ErrorCode::kBadArgument,
             "-estimate_normals is not possible by tiles: leave it, or give -tile_points 0"};
@@ -59,32 +56,24 @@ checkJob(const FitJob& job, const TileRequest& tiles)
 }
 
 /** What identifies a file and its state: a changed file differs in it. */
-std::string
-nameOf(const std::string& path)
-{
+std::string nameOf(const std::string& path) {
   std::error_code code;
   return fs::absolute(path, code).string() + " " + std::to_string(fs::file_size(path, code)) + " " +
          std::to_string(fs::last_write_time(path, code).time_since_epoch().count());
 }
 
-bool
-fitsInMemory(std::uint64_t points, const TileRequest& tiles)
-{
+bool fitsInMemory(std::uint64_t points, const TileRequest& tiles) {
   const double bytes = kBytesInMemory * static_cast<double>(points);
   return tiles.max_memory == 0 || bytes <= 0x1p20 * static_cast<double>(tiles.max_memory);
 }
 
 }  // namespace
 
-bool
-wantsTiles(std::uint64_t points, const TileRequest& tiles)
-{
+bool wantsTiles(std::uint64_t points, const TileRequest& tiles) {
   return points > kTilesOfCloud * tiles.points || !fitsInMemory(points, tiles);
 }
 
-void
-declarePlanOptions(OptionTable& options, TileRequest& tiles)
-{
+void declarePlanOptions(OptionTable& options, TileRequest& tiles) {
   options.text("plan", &tiles.plan, "DIR",
                "folder that keeps points and tiles until the surface is made: the same command "
                "continues from them");
@@ -94,19 +83,15 @@ declarePlanOptions(OptionTable& options, TileRequest& tiles)
       "them; OUT is not written");
 }
 
-void
-declareTileOptions(OptionTable& options, TileRequest& tiles)
-{
+void declareTileOptions(OptionTable& options, TileRequest& tiles) {
   options.integer("tile_points", &tiles.points, 0, kMostTile,
                   "points of a tile: scans of more than two tiles, and those that do not fit into "
                   "memory, are fitted tile by tile; if given, all are; 0: none");
   options.text("scratch", &tiles.scratch, "DIR", "folder for the points while tiles are fitted");
 }
 
-Error
-openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
-             std::unique_ptr<PointSource>& source)
-{
+Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
+                   std::unique_ptr<PointSource>& source) {
   source.reset();
   const bool raw = isRawPointFile(path);
   if (tiles.points == 0 && !raw && tiles.ranks == nullptr) return {};
@@ -149,9 +134,8 @@ namespace {
 
 constexpr std::size_t kTilesOfThread = 2;  ///< fewer leave threads idle at the end
 
-void
-reportTiles(const StreamStatistics& statistics, const StreamFit& fit, int at_once, Report& report)
-{
+void reportTiles(const StreamStatistics& statistics, const StreamFit& fit, int at_once,
+                 Report& report) {
   std::uint64_t most = 0;
   for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
     most = std::max(most, fit.loadedPoints(t));
@@ -177,9 +161,7 @@ struct RankFigures {
 };
 
 /** Brings the figures of all ranks into the report of the first. */
-void
-reportRanks(const StreamFit& fit, Ranks& ranks, Report& report)
-{
+void reportRanks(const StreamFit& fit, Ranks& ranks, Report& report) {
   const auto [first, end] = fit.ownTiles();
   std::uint64_t points = 0;
   for (std::size_t t = first; t < end; ++t) points += fit.plan().tiles[t].points;
@@ -210,9 +192,7 @@ reportRanks(const StreamFit& fit, Ranks& ranks, Report& report)
 }
 
 /** Two numbers with a character between them. */
-bool
-parsePair(const std::string& text, char between, std::size_t& first, std::size_t& second)
-{
+bool parsePair(const std::string& text, char between, std::size_t& first, std::size_t& second) {
   const char *at = text.data(), *last = at + text.size();
   const auto begin = std::from_chars(at, last, first);
   if (begin.ec != std::errc() || begin.ptr == last || *begin.ptr != between) return false;
@@ -220,11 +200,9 @@ parsePair(const std::string& text, char between, std::size_t& first, std::size_t
   return end.ec == std::errc() && end.ptr == last;
 }
 
-/** The tiles of one of some shares of about as many points: the largest tile left goes to the share that
- * has the least. */
-std::vector<std::size_t>
-shareOf(const StreamFit& fit, std::size_t share, std::size_t shares)
-{
+/** The tiles of one of some shares of about as many points: the largest tile left goes to the share
+ * that has the least. */
+std::vector<std::size_t> shareOf(const StreamFit& fit, std::size_t share, std::size_t shares) {
   std::vector<std::size_t> order(fit.plan().tiles.size());
   for (std::size_t t = 0; t < order.size(); ++t) order[t] = t;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -241,9 +219,7 @@ shareOf(const StreamFit& fit, std::size_t share, std::size_t shares)
 }
 
 /** Which tiles are to be fitted. */
-Result<std::vector<std::size_t>>
-wantedTiles(const std::string& text, const StreamFit& fit)
-{
+Result<std::vector<std::size_t>> wantedTiles(const std::string& text, const StreamFit& fit) {
   constexpr std::size_t kMostShares = 1000000;
   const std::size_t tiles = fit.plan().tiles.size();
   std::size_t begin = 0, end = 0;
@@ -266,12 +242,9 @@ class TileRun {
  public:
   TileRun(const FitJob& job, const TileRequest& tiles, Console& console, SlimBlockWriter* writer,
           TiledSurface& made)
-      : job_(job), tiles_(tiles), console_(console), writer_(writer), made_(made)
-  {
-  }
+      : job_(job), tiles_(tiles), console_(console), writer_(writer), made_(made) {}
 
-  Error run(PointSource& source, StreamFit& fit)
-  {
+  Error run(PointSource& source, StreamFit& fit) {
     if (Error error = fit.prepare(source, &console_.progress())) return error;
     const int threads = resolveThreads(job_.params.threads);
     const double bytes = static_cast<double>(fit.workingBytes(threads));
@@ -297,8 +270,7 @@ class TileRun {
 
  private:
   /** The levels above the tiles' first go in front of these. */
-  Error keepCoarse(const StreamFit& fit)
-  {
+  Error keepCoarse(const StreamFit& fit) {
     SLIMSurface coarse = fit.coarse();
     if (made_.partial) return {};
     made_.surface.info = coarse.info;
@@ -312,16 +284,14 @@ class TileRun {
   }
 
   /** One a thread, where memory has room for them and there are enough to keep all threads busy. */
-  int tilesAtOnce(const StreamFit& fit, std::size_t tiles) const
-  {
+  int tilesAtOnce(const StreamFit& fit, std::size_t tiles) const {
     const int threads = resolveThreads(job_.params.threads);
     const double bytes = threads * static_cast<double>(fit.workingBytes());
     const bool many = tiles >= kTilesOfThread * static_cast<std::size_t>(threads);
     return many && bytes <= memoryLeft() ? threads : 1;
   }
 
-  Error keep(const StreamFit& fit, std::size_t t, const SLIMSurface& tile)
-  {
+  Error keep(const StreamFit& fit, std::size_t t, const SLIMSurface& tile) {
     if (made_.partial) return {};
     if (writes_) {
       SLIMSurface turned = tile;
@@ -334,22 +304,19 @@ class TileRun {
   }
 
   /** Gives surfels a common side, which needs links. */
-  void turn(const StreamFit& fit, SLIMSurface& surface) const
-  {
+  void turn(const StreamFit& fit, SLIMSurface& surface) const {
     surface.buildLinks(job_.params.threads);
     if (!fit.frame().with_normals && job_.params.orient)
       orientSurfels(fit.frame(), job_.params, surface);
   }
 
-  Error add(const StreamFit& fit, std::size_t t, const SLIMSurface& tile)
-  {
+  Error add(const StreamFit& fit, std::size_t t, const SLIMSurface& tile) {
     const TilePlan::Tile& own = fit.plan().tiles[t];
     return writer_->add(tile, own.first_key, own.end_key);
   }
 
   /** Joins what could not be written tile by tile. */
-  Error finish(const StreamFit& fit)
-  {
+  Error finish(const StreamFit& fit) {
     if (writes_) return {};
     turn(fit, made_.surface);
     if (writer_ == nullptr) return {};
@@ -371,9 +338,7 @@ class TileRun {
   bool writes_ = false;  ///< tiles are written as they come
 };
 
-FittedPoints
-pointsOf(const StreamFit& fit)
-{
+FittedPoints pointsOf(const StreamFit& fit) {
   const StreamStatistics& statistics = fit.statistics();
   FittedPoints fitted;
   fitted.stored = statistics.fit.points;
@@ -384,9 +349,7 @@ pointsOf(const StreamFit& fit)
 }
 
 /** Prints and reports the totals over all tiles. */
-void
-tell(const StreamFit& fit, Console& console)
-{
+void tell(const StreamFit& fit, Console& console) {
   const StreamStatistics& statistics = fit.statistics();
   const std::string skipped = skippedText(statistics.points);
   if (!skipped.empty()) console.note("  " + skipped);
@@ -396,10 +359,8 @@ tell(const StreamFit& fit, Console& console)
 
 }  // namespace
 
-Error
-fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-           Report& report, SlimBlockWriter* writer, TiledSurface& made)
-{
+Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
+                 Report& report, SlimBlockWriter* writer, TiledSurface& made) {
   report.json()["points"] = source.size();
   report.json()["normals"] = source.hasNormals() ? "fields" : "none";
   console.begin("Fitting by tiles");
@@ -432,19 +393,15 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
       "them"};
 }
 
-Error
-fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-           Report& report, SLIMSurface& surface)
-{
+Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
+                 Report& report, SLIMSurface& surface) {
   TiledSurface made;
   Error error = fitByTiles(source, job, tiles, console, report, nullptr, made);
   surface = std::move(made.surface);
   return error;
 }
 
-void
-removePlan(const std::string& folder)
-{
+void removePlan(const std::string& folder) {
   std::error_code code;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
     const std::string name = entry.path().filename().string();

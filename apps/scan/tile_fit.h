@@ -36,42 +36,37 @@ struct TiledSurface {
 };
 
 /** \brief Adds -plan and -tiles, for programs whose fit may be divided. */
-void
-declarePlanOptions(OptionTable& options, TileRequest& tiles);
+void declarePlanOptions(OptionTable& options, TileRequest& tiles);
 
 /** \brief Adds -tile_points and -scratch. The job must outlive the table's parse(). */
-void
-declareTileOptions(OptionTable& options, TileRequest& tiles);
+void declareTileOptions(OptionTable& options, TileRequest& tiles);
 
 /** \brief Whether a scan of this many points is fitted by tiles by default: it has more than
  * two tiles' points, or does not fit into memory. */
-bool
-wantsTiles(std::uint64_t points, const TileRequest& tiles);
+bool wantsTiles(std::uint64_t points, const TileRequest& tiles);
 
 /** \brief Opens a scan for a fit by tiles.
  *
- * Tiles are used where the user requests them, where the scan has no header to load it by, where it has
- * more than two tiles' points, and where a fit in memory would exceed the limit.
- * \param[out] source the scan, of several ranks this one's share of it, or null: it is to be fitted in memory.
- * \return an error where the user requests what tiles cannot do, or the limit is too low for them. */
-Error
-openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
-             std::unique_ptr<PointSource>& source);
+ * Tiles are used where the user requests them, where the scan has no header to load it by, where it
+ * has more than two tiles' points, and where a fit in memory would exceed the limit.
+ * \param[out] source the scan, of several ranks this one's share of it, or null: it is to be fitted
+ * in memory.
+ * \return an error where the user requests what tiles cannot do, or the limit is too low for them.
+ */
+Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
+                   std::unique_ptr<PointSource>& source);
 
 /** \brief Fits by tiles; prints and reports what was done and what was skipped.
- * \param[in,out] writer takes the surfels, tile by tile, as far as they can be written before all are known;
- * null: all are kept in made. */
-Error
-fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-           Report& report, SlimBlockWriter* writer, TiledSurface& made);
+ * \param[in,out] writer takes the surfels, tile by tile, as far as they can be written before all
+ * are known; null: all are kept in made. */
+Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
+                 Report& report, SlimBlockWriter* writer, TiledSurface& made);
 
 /** \brief The same into one surface. */
-Error
-fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-           Report& report, SLIMSurface& surface);
+Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
+                 Report& report, SLIMSurface& surface);
 
 /** \brief Removes what -plan keeps from its folder, once the surface is written. */
-void
-removePlan(const std::string& folder);
+void removePlan(const std::string& folder);
 
 }  // namespace pcl_slim

@@ -16,9 +16,7 @@
 namespace pcl_slim {
 namespace {
 
-std::vector<Key>
-makeTable()
-{
+std::vector<Key> makeTable() {
   std::vector<Key> keys;
   const std::vector<std::string> modes = displayModeNames();
   // The digits 1 to 9 and 0 choose ten modes; the help lists five of them a line.
@@ -75,25 +73,19 @@ const std::vector<std::pair<std::string, std::string>> kMouse{
 
 }  // namespace
 
-const std::vector<Key>&
-keyTable()
-{
+const std::vector<Key>& keyTable() {
   static const std::vector<Key> table = makeTable();
   return table;
 }
 
-const Key*
-findKey(const std::string& symbol)
-{
+const Key* findKey(const std::string& symbol) {
   for (const Key& key : keyTable()) {
     if (key.symbol == symbol) return &key;
   }
   return nullptr;
 }
 
-std::string
-helpText()
-{
+std::string helpText() {
   const auto row = [](const std::string& name, const std::string& meaning) {
     return " " + name + std::string(name.size() < 13 ? 13 - name.size() : 1, ' ') + meaning + " \n";
   };
@@ -111,18 +103,14 @@ constexpr int kLetter = 14;        ///< pixels, in a window that has room for it
 constexpr int kSmallest = 6;       ///< that can be read
 constexpr double kWidest = 560.0;  ///< pixels that the readout takes
 
-void
-place(vtkTextActor* actor, double x, double y, int horizontal, int vertical)
-{
+void place(vtkTextActor* actor, double x, double y, int horizontal, int vertical) {
   actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   actor->GetPositionCoordinate()->SetValue(x, y);
   actor->GetTextProperty()->SetJustification(horizontal);
   actor->GetTextProperty()->SetVerticalJustification(vertical);
 }
 
-void
-setText(vtkTextActor* actor, const std::string& text)
-{
+void setText(vtkTextActor* actor, const std::string& text) {
   actor->SetInput(text.c_str());
   actor->SetVisibility(!text.empty());
 }
@@ -134,8 +122,7 @@ Overlay::Overlay(vtkRenderer* renderer)
       status_(addText(renderer, kLetter)),
       readout_(addText(renderer, kLetter)),
       progress_(addText(renderer, 16)),
-      help_(addText(renderer, kLetter))
-{
+      help_(addText(renderer, kLetter)) {
   place(status_, 0.012, 0.985, VTK_TEXT_LEFT, VTK_TEXT_TOP);
   place(readout_, 0.012, 0.015, VTK_TEXT_LEFT, VTK_TEXT_BOTTOM);
   place(progress_, 0.5, 0.08, VTK_TEXT_CENTERED, VTK_TEXT_BOTTOM);
@@ -152,9 +139,7 @@ Overlay::Overlay(vtkRenderer* renderer)
 
 Overlay::~Overlay() = default;
 
-vtkSmartPointer<vtkTextActor>
-Overlay::addText(vtkRenderer* renderer, int size)
-{
+vtkSmartPointer<vtkTextActor> Overlay::addText(vtkRenderer* renderer, int size) {
   auto actor = vtkSmartPointer<vtkTextActor>::New();
   vtkTextProperty* look = actor->GetTextProperty();
   look->SetFontFamilyToArial();
@@ -167,16 +152,12 @@ Overlay::addText(vtkRenderer* renderer, int size)
   return actor;
 }
 
-double
-Overlay::letterScale(int width, int height)
-{
+double Overlay::letterScale(int width, int height) {
   constexpr double kHeight = 600.0;  // of a window whose letters are kLetter
   return std::min(std::max(1.0, height / kHeight), width / kWidest);
 }
 
-void
-Overlay::fitTo(int width, int height)
-{
+void Overlay::fitTo(int width, int height) {
   const double scale = letterScale(width, height);
   const int letter = std::max(kSmallest, static_cast<int>(kLetter * scale));
   for (vtkTextActor* text : {status_.Get(), readout_.Get()})
@@ -195,28 +176,20 @@ Overlay::fitTo(int width, int height)
   help_->GetPositionCoordinate()->SetValue(0.5 - 0.5 * (box[1] - box[0]) / width, 0.5);
 }
 
-void
-Overlay::raise()
-{
+void Overlay::raise() {
   renderer_->RemoveViewProp(help_);
   renderer_->AddViewProp(help_);
 }
 
-void
-Overlay::setStatus(const std::string& text)
-{
+void Overlay::setStatus(const std::string& text) {
   setText(status_, text);
 }
 
-void
-Overlay::setReadout(const std::string& text)
-{
+void Overlay::setReadout(const std::string& text) {
   setText(readout_, text);
 }
 
-void
-Overlay::setProgress(float fraction, const std::string& stage)
-{
+void Overlay::setProgress(float fraction, const std::string& stage) {
   if (fraction < 0.0f) return setText(progress_, "");
   constexpr int kWidth = 30;
   const int filled = std::clamp(static_cast<int>(std::lround(fraction * kWidth)), 0, kWidth);
@@ -226,43 +199,31 @@ Overlay::setProgress(float fraction, const std::string& stage)
   setText(progress_, "Fitting: " + stage + "\n" + bar + "  " + std::to_string(percent) + " %");
 }
 
-void
-Overlay::showHelp(bool shown)
-{
+void Overlay::showHelp(bool shown) {
   help_->SetVisibility(shown);
 }
 
-bool
-Overlay::helpShown() const
-{
+bool Overlay::helpShown() const {
   return help_->GetVisibility() != 0;
 }
 
 vtkStandardNewMacro(ViewerStyle)
 
-void
-ViewerStyle::OnKeyPress()
-{
+void ViewerStyle::OnKeyPress() {
   if (on_key) on_key(Interactor->GetKeySym());
 }
 
-void
-ViewerStyle::OnMouseMove()
-{
+void ViewerStyle::OnMouseMove() {
   Superclass::OnMouseMove();
   if (on_move) on_move();
 }
 
-void
-ViewerStyle::OnConfigure()
-{
+void ViewerStyle::OnConfigure() {
   Superclass::OnConfigure();
   if (on_resize) on_resize();
 }
 
-void
-ViewerStyle::OnTimer()
-{
+void ViewerStyle::OnTimer() {
   if (on_timer) on_timer();
 }
 

@@ -15,7 +15,8 @@ class vtkTextActor;
 
 namespace pcl_slim {
 
-/** \brief Text over a window's picture: a status line, a readout at the mouse, help, a colour bar. */
+/** \brief Text over a window's picture: a status line, a readout at the mouse, help, a colour bar.
+ */
 class Overlay {
  public:
   explicit Overlay(vtkRenderer* renderer);
@@ -23,8 +24,8 @@ class Overlay {
 
   /** \brief Makes text small enough for a window, and large enough to be read in a large one. */
   void fitTo(int width, int height);
-  /** \brief Size of letters over that in a window of 800 x 600: as the height beyond that, less where the
-   * width has no room. */
+  /** \brief Size of letters over that in a window of 800 x 600: as the height beyond that, less
+   * where the width has no room. */
   static double letterScale(int width, int height);
   /** \brief Draws the help over what has been added since, such as a scalar bar. */
   void raise();
@@ -81,16 +82,13 @@ struct Key {
   int mode = 0;                ///< of kMode: the DisplayMode
 };
 
-const std::vector<Key>&
-keyTable();
+const std::vector<Key>& keyTable();
 
 /** \brief The key of a symbol, or null. */
-const Key*
-findKey(const std::string& symbol);
+const Key* findKey(const std::string& symbol);
 
 /** \brief All keys and the mouse, one a line. */
-std::string
-helpText();
+std::string helpText();
 
 /** \brief VTK's trackball, which reports keys, moves, sizes and time instead of what VTK does
  * with them. */
@@ -106,14 +104,13 @@ class ViewerStyle : public vtkInteractorStyleTrackballCamera {
   void OnKeyPress() override;
   void OnMouseMove() override;
   void OnConfigure() override;
-  /** \brief Nothing but on_timer(): VTK's own would turn the camera on, by the last move of the mouse,
-   * at every tick while a button is down. */
+  /** \brief Nothing but on_timer(): VTK's own would turn the camera on, by the last move of the
+   * mouse, at every tick while a button is down. */
   void OnTimer() override;
 };
 
 /** \brief Whether a window can be opened here. VTK ends the program where it cannot, so this tries
  * the X server first. */
-Error
-checkDisplay();
+Error checkDisplay();
 
 }  // namespace pcl_slim

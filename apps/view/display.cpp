@@ -7,9 +7,7 @@
 
 namespace pcl_slim {
 
-Error
-checkDisplay()
-{
+Error checkDisplay() {
 #ifdef PCL_SLIM_HAS_X11
   // The connection stays open as long as the program runs: Xvfb restarts when its last client
   // disconnects, and refuses connections meanwhile.

@@ -13,9 +13,7 @@ namespace {
 constexpr std::size_t kSample = 20000;
 
 /** \brief Input indices of finite points, evenly over the cloud. */
-std::vector<std::size_t>
-sampleOf(const CloudView& points)
-{
+std::vector<std::size_t> sampleOf(const CloudView& points) {
   std::vector<std::size_t> sample;
   const std::size_t step = 1 + points.count() / kSample;
   for (std::size_t k = 0; k < points.count(); k += step) {
@@ -26,9 +24,8 @@ sampleOf(const CloudView& points)
 }
 
 /** \brief Puts origin and scale to the middle and the diagonal of the sample's box. */
-void
-placeIn(const CloudView& points, const std::vector<std::size_t>& sample, BoundingSpheres& object)
-{
+void placeIn(const CloudView& points, const std::vector<std::size_t>& sample,
+             BoundingSpheres& object) {
   Bounds box;
   for (const std::size_t i : sample) box.add(points.position(i));
   object.origin = scaled(along(box.low, 1.0, box.high), 0.5);
@@ -37,9 +34,7 @@ placeIn(const CloudView& points, const std::vector<std::size_t>& sample, Boundin
 
 }  // namespace
 
-BoundingSpheres
-spheresOfPoints(const CloudView& points)
-{
+BoundingSpheres spheresOfPoints(const CloudView& points) {
   BoundingSpheres object;
   object.oriented = points.normal != nullptr;
   object.seen_radius = 0.0;

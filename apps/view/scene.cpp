@@ -42,9 +42,7 @@ namespace pcl_slim {
 namespace {
 
 /** \brief Lines from each point along its normal, as long as half its radius. */
-vtkSmartPointer<vtkActor>
-linesAlongNormals(vtkPolyData* pieces)
-{
+vtkSmartPointer<vtkActor> linesAlongNormals(vtkPolyData* pieces) {
   vtkDataArray* normals = pieces->GetPointData()->GetNormals();
   vtkDataArray* radii = pieces->GetPointData()->GetArray("radius");
   vtkNew<vtkPoints> ends;
@@ -73,9 +71,7 @@ linesAlongNormals(vtkPolyData* pieces)
 }
 
 /** \brief The table of sizeColor() over the radii's 2nd to 98th percentile, by the logarithm. */
-vtkSmartPointer<vtkLookupTable>
-sizeTable(vtkDataArray* radii)
-{
+vtkSmartPointer<vtkLookupTable> sizeTable(vtkDataArray* radii) {
   std::vector<double> sorted;
   for (vtkIdType i = 0; i < radii->GetNumberOfTuples(); ++i) sorted.push_back(radii->GetTuple1(i));
   std::sort(sorted.begin(), sorted.end());
@@ -94,9 +90,7 @@ sizeTable(vtkDataArray* radii)
 }
 
 /** A scan's finite points, two pixels wide, in their colours if they have any. O(points). */
-vtkSmartPointer<vtkActor>
-makePoints(const CloudView& points, const ColorView& colors)
-{
+vtkSmartPointer<vtkActor> makePoints(const CloudView& points, const ColorView& colors) {
   vtkNew<vtkPoints> positions;
   positions->SetDataTypeToDouble();
   vtkNew<vtkCellArray> vertices;
@@ -128,9 +122,7 @@ makePoints(const CloudView& points, const ColorView& colors)
 
 /** The balls of a surface's leaves as far as they cover, small red to large blue (Fig. 1 of
  * Ohtake, Belyaev, Alexa 2005). O(leaves). */
-vtkSmartPointer<vtkActor>
-makeBalls(const SLIMSurface& surface)
-{
+vtkSmartPointer<vtkActor> makeBalls(const SLIMSurface& surface) {
   const vtkSmartPointer<vtkPolyData> leaves = toPolyData(surface, true);
   vtkDataArray* radii = leaves->GetPointData()->GetArray("radius");
   vtkNew<vtkFloatArray> reach;
@@ -156,27 +148,19 @@ makeBalls(const SLIMSurface& surface)
 }
 
 /** Normals of leaves or splats as lines of half a radius. O(leaves or splats). */
-vtkSmartPointer<vtkActor>
-makeNormals(const SLIMSurface& surface)
-{
+vtkSmartPointer<vtkActor> makeNormals(const SLIMSurface& surface) {
   return linesAlongNormals(toPolyData(surface, true));
 }
 
-vtkSmartPointer<vtkActor>
-makeNormals(const SplatSet& splats)
-{
+vtkSmartPointer<vtkActor> makeNormals(const SplatSet& splats) {
   return linesAlongNormals(toPolyData(splats));
 }
 
-void
-setShown(vtkActor* actor, bool shown)
-{
+void setShown(vtkActor* actor, bool shown) {
   if (actor) actor->SetVisibility(shown);
 }
 
-bool
-isShown(vtkActor* actor)
-{
+bool isShown(vtkActor* actor) {
   return actor && actor->GetVisibility();
 }
 
@@ -185,27 +169,21 @@ isShown(vtkActor* actor)
 Scene::Scene(vtkRenderer* renderer) : renderer_(renderer) {}
 Scene::~Scene() = default;
 
-void
-Scene::setSurface(std::shared_ptr<const SLIMSurface> surface)
-{
+void Scene::setSurface(std::shared_ptr<const SLIMSurface> surface) {
   surface_ = std::move(surface);
   vtkNew<SLIMMapper> mapper;
   mapper->setSurface(surface_);
   setMapper(mapper);
 }
 
-void
-Scene::setSplats(std::shared_ptr<const SplatSet> splats)
-{
+void Scene::setSplats(std::shared_ptr<const SplatSet> splats) {
   splats_ = std::move(splats);
   vtkNew<SplatMapper> mapper;
   mapper->setSplats(splats_);
   setMapper(mapper);
 }
 
-void
-Scene::setMapper(GBufferMapper* mapper)
-{
+void Scene::setMapper(GBufferMapper* mapper) {
   mapper_ = mapper;
   model_ = vtkSmartPointer<vtkActor>::New();
   model_->SetMapper(mapper_);
@@ -215,52 +193,38 @@ Scene::setMapper(GBufferMapper* mapper)
   if (points_) points_->GetProperty()->SetPointSize(1.0f);
 }
 
-void
-Scene::setPoints(const CloudView& points, const ColorView& colors)
-{
+void Scene::setPoints(const CloudView& points, const ColorView& colors) {
   points_ = makePoints(points, colors);
   add(points_);
   point_spheres_ = spheresOfPoints(points);
 }
 
-GBufferMapper*
-Scene::mapper() const
-{
+GBufferMapper* Scene::mapper() const {
   return mapper_;
 }
 
-SLIMMapper*
-Scene::surfaceMapper() const
-{
+SLIMMapper* Scene::surfaceMapper() const {
   return SLIMMapper::SafeDownCast(mapper_);
 }
 
-vtkActor*
-Scene::model() const
-{
+vtkActor* Scene::model() const {
   return model_;
 }
 
-BoundingSpheres
-Scene::spheres() const
-{
+BoundingSpheres Scene::spheres() const {
   if (surface_) return spheresOf(*surface_);
   if (splats_) return spheresOf(*splats_);
   return point_spheres_;
 }
 
-bool
-Scene::setMode(DisplayMode mode, double range)
-{
+bool Scene::setMode(DisplayMode mode, double range) {
   if (!mapper_ || !mapper_->setMode(mode)) return false;
   mapper_->setRange(range);
   updateBar();
   return true;
 }
 
-void
-Scene::stepMode(int step)
-{
+void Scene::stepMode(int step) {
   if (!mapper_) return;
   const int count = static_cast<int>(displayModeNames().size());
   int mode = static_cast<int>(mapper_->getMode());
@@ -270,16 +234,12 @@ Scene::stepMode(int step)
   setMode(static_cast<DisplayMode>(mode), 0.0);
 }
 
-void
-Scene::scaleRange(double factor)
-{
+void Scene::scaleRange(double factor) {
   if (!mapper_ || !takesRange(mapper_->getMode())) return;
   mapper_->setRange(factor > 0.0 ? factor * mapper_->getRange() : 0.0);
 }
 
-void
-Scene::updateBar()
-{
+void Scene::updateBar() {
   if (bar_) renderer_->RemoveActor2D(bar_);
   bar_ = nullptr;
   if (!showsNumbers(mapper_->getMode())) return;
@@ -289,24 +249,18 @@ Scene::updateBar()
   renderer_->AddActor2D(bar_);
 }
 
-void
-Scene::setBarLetters(int pixels)
-{
+void Scene::setBarLetters(int pixels) {
   letters_ = pixels;
   if (bar_) setLetters(bar_, letters_);
 }
 
 /** Adds what a mapper draws to the window, cut as all else. */
-void
-Scene::add(vtkActor* actor)
-{
+void Scene::add(vtkActor* actor) {
   actor->GetMapper()->SetClippingPlanes(cuts_);
   renderer_->AddActor(actor);
 }
 
-void
-Scene::cut(const std::vector<HalfSpace>& sides)
-{
+void Scene::cut(const std::vector<HalfSpace>& sides) {
   cuts_->RemoveAllItems();
   for (const HalfSpace& side : sides) {
     vtkNew<vtkPlane> plane;
@@ -320,21 +274,15 @@ Scene::cut(const std::vector<HalfSpace>& sides)
   }
 }
 
-void
-Scene::showModel(bool shown)
-{
+void Scene::showModel(bool shown) {
   setShown(model_, shown);
 }
 
-void
-Scene::showPoints(bool shown)
-{
+void Scene::showPoints(bool shown) {
   setShown(points_, shown);
 }
 
-void
-Scene::showBalls(bool shown)
-{
+void Scene::showBalls(bool shown) {
   if (shown && !balls_ && surface_) {
     balls_ = makeBalls(*surface_);
     add(balls_);
@@ -342,9 +290,7 @@ Scene::showBalls(bool shown)
   setShown(balls_, shown);
 }
 
-void
-Scene::showNormals(bool shown)
-{
+void Scene::showNormals(bool shown) {
   if (shown && !normals_ && (surface_ || splats_)) {
     normals_ = surface_ ? makeNormals(*surface_) : makeNormals(*splats_);
     add(normals_);
@@ -352,42 +298,31 @@ Scene::showNormals(bool shown)
   setShown(normals_, shown);
 }
 
-bool
-Scene::modelShown() const
-{
+bool Scene::modelShown() const {
   return isShown(model_);
 }
 
-bool
-Scene::pointsShown() const
-{
+bool Scene::pointsShown() const {
   return isShown(points_);
 }
 
-bool
-Scene::ballsShown() const
-{
+bool Scene::ballsShown() const {
   return isShown(balls_);
 }
 
-bool
-Scene::normalsShown() const
-{
+bool Scene::normalsShown() const {
   return isShown(normals_);
 }
 
 namespace {
 
-void
-onDragged(vtkObject*, unsigned long, void* dragged, void*)
-{
+void onDragged(vtkObject*, unsigned long, void* dragged, void*) {
   (*static_cast<std::function<void()>*>(dragged))();
 }
 
 }  // namespace
 
-CutBox::CutBox(const std::function<void()>& dragged) : dragged_(dragged)
-{
+CutBox::CutBox(const std::function<void()>& dragged) : dragged_(dragged) {
   box_->SetPlaceFactor(1.0);
   box_->InsideOutOn();
   box_->GetOutlineProperty()->SetColor(0.25, 0.3, 0.4);
@@ -407,30 +342,22 @@ CutBox::CutBox(const std::function<void()>& dragged) : dragged_(dragged)
 
 CutBox::~CutBox() = default;
 
-void
-CutBox::show(vtkRenderWindowInteractor* interactor, const std::array<double, 6>& bounds)
-{
+void CutBox::show(vtkRenderWindowInteractor* interactor, const std::array<double, 6>& bounds) {
   std::array<double, 6> place = bounds;
   box_->PlaceWidget(place.data());
   widget_->SetInteractor(interactor);
   widget_->On();
 }
 
-void
-CutBox::hide()
-{
+void CutBox::hide() {
   widget_->Off();
 }
 
-bool
-CutBox::shown() const
-{
+bool CutBox::shown() const {
   return const_cast<vtkBoxWidget2*>(widget_.Get())->GetEnabled() != 0;
 }
 
-std::vector<HalfSpace>
-CutBox::sides() const
-{
+std::vector<HalfSpace> CutBox::sides() const {
   vtkNew<vtkPlanes> planes;
   const_cast<vtkBoxRepresentation*>(box_.Get())->GetPlanes(planes);
   std::vector<HalfSpace> sides;

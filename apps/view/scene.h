@@ -40,15 +40,15 @@ class Scene {
 
   void setSurface(std::shared_ptr<const SLIMSurface> surface);
   void setSplats(std::shared_ptr<const SplatSet> splats);
-  /** \brief Shows a scan's finite points, in their colours if they have any, else grey. O(points). */
+  /** \brief Shows a scan's finite points, in their colours if they have any, else grey. O(points).
+   */
   void setPoints(const CloudView& points, const ColorView& colors);
 
   /** \brief The mapper of the surface or the splats; null before there is either. */
   GBufferMapper* mapper() const;
   SLIMMapper* surfaceMapper() const;
   /** \brief Whether what is shown has colours of its own. */
-  bool hasColors() const
-  {
+  bool hasColors() const {
     return (splats_ && splats_->hasColors()) || (surface_ && surface_->hasColors());
   }
   vtkActor* model() const;
@@ -93,16 +93,16 @@ class Scene {
   int letters_ = 13;  ///< pixels
 };
 
-/** \brief A box in a window whose sides and place the mouse drags by their handles: everything outside is
- * to be cut away. */
+/** \brief A box in a window whose sides and place the mouse drags by their handles: everything
+ * outside is to be cut away. */
 class CutBox {
  public:
   /** \param[in] dragged called whenever the mouse has moved the box */
   explicit CutBox(const std::function<void()>& dragged);
   ~CutBox();
 
-  /** \brief Shows it in an interactor's window. \param[in] bounds x0, x1, y0, y1, z0, z1 that it starts
-   * from, and which size its handles */
+  /** \brief Shows it in an interactor's window. \param[in] bounds x0, x1, y0, y1, z0, z1 that it
+   * starts from, and which size its handles */
   void show(vtkRenderWindowInteractor* interactor, const std::array<double, 6>& bounds);
   void hide();
   bool shown() const;
@@ -116,9 +116,8 @@ class CutBox {
   vtkNew<vtkBoxRepresentation> box_;
 };
 
-/** \brief A sample of a scan's points, with their normals where it has any, for the first camera: it then
- * is placed as for the fitted surface, or nearly so. Finite points only. O(sample). */
-BoundingSpheres
-spheresOfPoints(const CloudView& points);
+/** \brief A sample of a scan's points, with their normals where it has any, for the first camera:
+ * it then is placed as for the fitted surface, or nearly so. Finite points only. O(sample). */
+BoundingSpheres spheresOfPoints(const CloudView& points);
 
 }  // namespace pcl_slim

@@ -41,27 +41,20 @@ FitTask::FitTask(const FitJob& job, const CloudFile& cloud)
           error_ = {ErrorCode::kBadInput, "not enough memory; show a smaller scan"};
         }
         finished_.store(true);
-      })
-{
-}
+      }) {}
 
-FitTask::~FitTask()
-{
+FitTask::~FitTask() {
   progress_.cancel();
   thread_.join();
 }
 
-float
-FitTask::progress(std::string& stage) const
-{
+float FitTask::progress(std::string& stage) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   stage = stage_;
   return fraction_;
 }
 
-void
-FitTask::run()
-{
+void FitTask::run() {
   const bool with_normals = job_.use_normals || job_.normal_neighbours > 0;
   Result<PointStore> store = PointStore::build(cloud_.view(with_normals), job_.params.threads);
   if (!store) {
@@ -76,17 +69,13 @@ FitTask::run()
 namespace {
 
 template <typename... Values>
-std::string
-print(const char* format, Values... values)
-{
+std::string print(const char* format, Values... values) {
   char text[256];
   std::snprintf(text, sizeof(text), format, values...);
   return text;
 }
 
-std::string
-describePick(const SurfacePick& pick)
-{
+std::string describePick(const SurfacePick& pick) {
   return print("leaf %u  level %d  degree %d  ball radius %.4g  error %.3g  points %.0f\n",
                pick.surfel, pick.level, pick.degree, pick.radius, pick.error,
                pick.effective_count) +
@@ -96,9 +85,7 @@ describePick(const SurfacePick& pick)
                pick.position[2], pick.normal[0], pick.normal[1], pick.normal[2]);
 }
 
-std::string
-describeSplat(const SplatSet& splats, std::size_t i)
-{
+std::string describeSplat(const SplatSet& splats, std::size_t i) {
   const std::uint32_t rgb = splats.rgb[i];
   return print("splat %zu  radius %.4g  colour %u %u %u\n", i, double{splats.radius[i]},
                (rgb >> 16) & 255, (rgb >> 8) & 255, rgb & 255) +
@@ -108,9 +95,7 @@ describeSplat(const SplatSet& splats, std::size_t i)
 }
 
 /** "5000 leaves, mean curvature within 12.3": the status line. */
-std::string
-describeScene(const Scene& scene)
-{
+std::string describeScene(const Scene& scene) {
   GBufferMapper* mapper = scene.mapper();
   if (!mapper) return "h: help";
   std::string text;
@@ -125,9 +110,7 @@ describeScene(const Scene& scene)
 }
 
 /** The readout at the mouse: surfel, curvatures, error; empty outside of the model. */
-std::string
-describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y)
-{
+std::string describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y) {
   if (SLIMMapper* surface = scene.surfaceMapper()) {
     SurfacePick pick;
     return surface->pick(renderer, scene.model(), x, y, pick) ? describePick(pick) : "";
@@ -137,11 +120,9 @@ describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y)
   return describeSplat(*static_cast<SplatMapper*>(scene.mapper())->getSplats(), pixel.surfel[0]);
 }
 
-/** Moves a camera's focal point along its axis to the depth of an object's middle, so that the object turns in
- * its place. O(spheres). */
-void
-setTurningPoint(const BoundingSpheres& object, vtkCamera* camera)
-{
+/** Moves a camera's focal point along its axis to the depth of an object's middle, so that the
+ * object turns in its place. O(spheres). */
+void setTurningPoint(const BoundingSpheres& object, vtkCamera* camera) {
   std::vector<double> depths;
   const double *eye = camera->GetPosition(), *forward = camera->GetDirectionOfProjection();
   for (const BoundingSphere& sphere : object.spheres) {
@@ -161,18 +142,14 @@ setTurningPoint(const BoundingSpheres& object, vtkCamera* camera)
 }
 
 /** \brief A grey that grows lighter upwards, or white paper. */
-void
-setBackground(vtkRenderer* renderer, bool is_paper)
-{
+void setBackground(vtkRenderer* renderer, bool is_paper) {
   renderer->SetGradientBackground(!is_paper);
   if (is_paper) return renderer->SetBackground(1.0, 1.0, 1.0);
   renderer->SetBackground(0.84, 0.84, 0.846);
   renderer->SetBackground2(0.985, 0.985, 0.99);
 }
 
-RayBackend
-backendOf(const std::string& name)
-{
+RayBackend backendOf(const std::string& name) {
   return name == "cpu"      ? RayBackend::kCPU
          : name == "opengl" ? RayBackend::kOpenGL
                             : RayBackend::kAuto;
@@ -181,9 +158,7 @@ backendOf(const std::string& name)
 constexpr double kBarShare = 0.14;  ///< of the window's width, left to the scalar bar
 
 /** \brief What the user may change of a camera's place. */
-std::vector<double>
-placeOf(vtkCamera* camera)
-{
+std::vector<double> placeOf(vtkCamera* camera) {
   std::vector<double> place;
   for (const double* values :
        {camera->GetPosition(), camera->GetFocalPoint(), camera->GetViewUp()}) {
@@ -195,9 +170,7 @@ placeOf(vtkCamera* camera)
 
 }  // namespace
 
-Error
-savePicture(vtkRenderWindow* window, const std::string& path)
-{
+Error savePicture(vtkRenderWindow* window, const std::string& path) {
   Image image;
   image.width = window->GetSize()[0];
   image.height = window->GetSize()[1];
@@ -214,9 +187,7 @@ savePicture(vtkRenderWindow* window, const std::string& path)
   return savePng(path, image);
 }
 
-void
-setCamera(const Camera& from, vtkRenderer* renderer)
-{
+void setCamera(const Camera& from, vtkRenderer* renderer) {
   vtkCamera* camera = renderer->GetActiveCamera();
   camera->SetPosition(from.position.data());
   camera->SetFocalPoint(from.look_at.data());
@@ -235,8 +206,7 @@ Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
     : settings_(settings),
       scene_(renderer_),
       overlay_(renderer_),
-      cut_box_([this] { scene_.cut(cut_box_.sides()); })
-{
+      cut_box_([this] { scene_.cut(cut_box_.sides()); }) {
   setBackground(renderer_, false);
   setStudioLights(renderer_);
   renderer_->UseFXAAOn();
@@ -257,9 +227,7 @@ Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
 
 Viewer::~Viewer() = default;
 
-void
-Viewer::begin()
-{
+void Viewer::begin() {
   GBufferMapper* mapper = scene_.mapper();
   if (mapper) {
     mapper->setFrameBudget(settings_.frame_budget);
@@ -285,43 +253,33 @@ Viewer::begin()
   updateStatus();
 }
 
-void
-Viewer::run()
-{
+void Viewer::run() {
   window_->Render();
   interactor_->Initialize();
   interactor_->CreateRepeatingTimer(100);
   interactor_->Start();
 }
 
-Error
-Viewer::runFit(FitTask& task)
-{
+Error Viewer::runFit(FitTask& task) {
   task_ = &task;
   run();
   task_ = nullptr;
   return fit_error_;
 }
 
-Error
-Viewer::saveScreenshot(const std::string& path)
-{
+Error Viewer::saveScreenshot(const std::string& path) {
   // Nobody reads in a picture which keys there are.
   overlay_.setStatus("");
   render();
   return savePicture(window_, path);
 }
 
-void
-Viewer::render()
-{
+void Viewer::render() {
   renderer_->ResetCameraClippingRange();
   window_->Render();
 }
 
-void
-Viewer::resetCamera()
-{
+void Viewer::resetCamera() {
   settings_.view.size = {window_->GetSize()[0], window_->GetSize()[1]};
   const bool parallel = renderer_->GetActiveCamera()->GetParallelProjection() != 0;
   BoundingSpheres object = scene_.spheres();
@@ -333,25 +291,20 @@ Viewer::resetCamera()
   framed_ = placeOf(renderer_->GetActiveCamera());
 }
 
-/** \brief Whether keys or the mouse have moved the camera since it was put to show the whole object. */
-bool
-Viewer::isCameraTheUsers() const
-{
+/** \brief Whether keys or the mouse have moved the camera since it was put to show the whole
+ * object. */
+bool Viewer::isCameraTheUsers() const {
   return !framed_.empty() && framed_ != placeOf(renderer_->GetActiveCamera());
 }
 
 /** \brief Leaves the right margin to a scalar bar, unless the camera is the user's. */
-void
-Viewer::makeRoomForBar()
-{
+void Viewer::makeRoomForBar() {
   const double margin = scene_.barShown() ? kBarShare : 0.0;
   if (margin == settings_.view.right_margin || isCameraTheUsers()) return;
   resetCamera();
 }
 
-void
-Viewer::onKey(const std::string& symbol)
-{
+void Viewer::onKey(const std::string& symbol) {
   const Key* key = findKey(symbol);
   if (!key) return;
   message_.clear();
@@ -361,24 +314,18 @@ Viewer::onKey(const std::string& symbol)
   if (key->command != Command::kQuit) render();
 }
 
-void
-Viewer::updateBackground()
-{
+void Viewer::updateBackground() {
   const GBufferMapper* mapper = scene_.mapper();
   setBackground(renderer_, mapper && mapper->getMode() == DisplayMode::kSketch);
 }
 
-void
-Viewer::onResized()
-{
+void Viewer::onResized() {
   const int width = window_->GetSize()[0], height = window_->GetSize()[1];
   overlay_.fitTo(width, height);
   scene_.setBarLetters(static_cast<int>(13 * std::max(0.6, Overlay::letterScale(width, height))));
 }
 
-void
-Viewer::onTimer()
-{
+void Viewer::onTimer() {
   if (task_) {
     std::string stage;
     const float fraction = task_->progress(stage);
@@ -393,18 +340,14 @@ Viewer::onTimer()
   readUnderMouse();
 }
 
-void
-Viewer::readUnderMouse()
-{
+void Viewer::readUnderMouse() {
   if (!scene_.mapper() || !scene_.modelShown()) return;
   const int* at = interactor_->GetEventPosition();
   overlay_.setReadout(describeUnder(scene_, renderer_, at[0], at[1]));
   render();
 }
 
-void
-Viewer::takeFit()
-{
+void Viewer::takeFit() {
   overlay_.setProgress(-1.0f, "");
   fit_error_ = task_->error();
   if (!fit_error_) {
@@ -417,9 +360,7 @@ Viewer::takeFit()
   task_ = nullptr;
 }
 
-void
-Viewer::updateStatus()
-{
+void Viewer::updateStatus() {
   updateBackground();
   overlay_.raise();
   overlay_.setStatus(describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));

@@ -83,7 +83,8 @@ class Viewer {
   void begin();
   /** \brief Opens the window and returns when it is closed. */
   void run();
-  /** \brief The same while a scan is being fitted; its surface replaces the points when it is there.
+  /** \brief The same while a scan is being fitted; its surface replaces the points when it is
+   * there.
    * \return what was wrong with the fit. */
   Error runFit(FitTask& task);
   /** \brief Draws the window once and saves it as a PNG file. */
@@ -133,11 +134,9 @@ class Viewer {
 };
 
 /** \brief Saves a window that has been drawn as a PNG file. */
-Error
-savePicture(vtkRenderWindow* window, const std::string& path);
+Error savePicture(vtkRenderWindow* window, const std::string& path);
 
 /** \brief Gives a renderer's camera the place and opening of another. */
-void
-setCamera(const Camera& camera, vtkRenderer* renderer);
+void setCamera(const Camera& camera, vtkRenderer* renderer);
 
 }  // namespace pcl_slim

@@ -22,9 +22,7 @@ namespace {
 const std::vector<std::string> kLineKinds{"none", "crest", "suggestive", "contour", "all"};
 
 /** pcl_slim_view_001.png, or the first number that no file has. */
-std::string
-freePictureName()
-{
+std::string freePictureName() {
   for (int number = 1;; ++number) {
     char name[40];
     std::snprintf(name, sizeof(name), "pcl_slim_view_%03d.png", number);
@@ -33,10 +31,9 @@ freePictureName()
   }
 }
 
-/** Changes between parallel and perspective projection; what is at the camera's target keeps its size. */
-void
-toggleParallel(vtkCamera* camera)
-{
+/** Changes between parallel and perspective projection; what is at the camera's target keeps its
+ * size. */
+void toggleParallel(vtkCamera* camera) {
   constexpr double kDegrees = 180.0 / M_PI;
   const bool parallel = camera->GetParallelProjection() != 0;
   const double half = std::tan(0.5 * camera->GetViewAngle() / kDegrees);
@@ -51,9 +48,7 @@ toggleParallel(vtkCamera* camera)
 }
 
 /** A renderer's camera, but for the picture's size. */
-Camera
-cameraOf(vtkRenderer* renderer)
-{
+Camera cameraOf(vtkRenderer* renderer) {
   vtkCamera* from = renderer->GetActiveCamera();
   Camera camera;
   from->GetPosition(camera.position.data());
@@ -69,9 +64,7 @@ cameraOf(vtkRenderer* renderer)
 
 }  // namespace
 
-void
-Viewer::execute(const Key& key)
-{
+void Viewer::execute(const Key& key) {
   switch (key.command) {
     case Command::kMode: return setDigitMode(key.mode);
     case Command::kNextMode: return scene_.stepMode(1);
@@ -95,18 +88,14 @@ Viewer::execute(const Key& key)
   }
 }
 
-void
-Viewer::setDigitMode(int digit)
-{
+void Viewer::setDigitMode(int digit) {
   auto mode = static_cast<DisplayMode>(digit);
   if (scene_.setMode(mode, 0.0)) return;
   if (mode == DisplayMode::kColor) mode = DisplayMode::kError;
   if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
 }
 
-void
-Viewer::toggle(Command command)
-{
+void Viewer::toggle(Command command) {
   const auto told = [this](const Error& error, const std::string& done) {
     message_ = error ? error.message : done + settings_.camera_file;
   };
@@ -123,18 +112,14 @@ Viewer::toggle(Command command)
   }
 }
 
-Error
-Viewer::loadCameraFile()
-{
+Error Viewer::loadCameraFile() {
   const Result<Camera> camera = loadCamera(settings_.camera_file);
   if (!camera) return camera.error();
   setCamera(*camera, renderer_);
   return {};
 }
 
-void
-Viewer::stepDetail()
-{
+void Viewer::stepDetail() {
   GBufferMapper* mapper = scene_.mapper();
   if (!mapper) return;
   const double budget = mapper->getFrameBudget();
@@ -145,9 +130,7 @@ Viewer::stepDetail()
                  : "full detail while the mouse moves";
 }
 
-void
-Viewer::stepLevelOfDetail()
-{
+void Viewer::stepLevelOfDetail() {
   SLIMMapper* mapper = scene_.surfaceMapper();
   if (!mapper) return;
   const double now = mapper->getLevelOfDetail();
@@ -158,18 +141,14 @@ Viewer::stepLevelOfDetail()
   message_ = mapper->getLevelOfDetail() > 0.0 ? text : "every leaf is drawn";
 }
 
-void
-Viewer::toggleTrimming()
-{
+void Viewer::toggleTrimming() {
   SLIMMapper* mapper = scene_.surfaceMapper();
   if (!mapper) return;
   mapper->setTrimming(!mapper->getTrimming());
   message_ = mapper->getTrimming() ? "the surface ends where its data do" : "all of every ball";
 }
 
-void
-Viewer::toggleCutBox()
-{
+void Viewer::toggleCutBox() {
   if (cut_box_.shown()) {
     cut_box_.hide();
     settings_.region = {};
@@ -182,18 +161,14 @@ Viewer::toggleCutBox()
   message_ = "cut: drag the box by its handles";
 }
 
-void
-Viewer::stepLines()
-{
+void Viewer::stepLines() {
   const auto at = std::find(kLineKinds.begin(), kLineKinds.end(), settings_.lines);
   const auto next = static_cast<std::size_t>(at - kLineKinds.begin() + 1) % kLineKinds.size();
   setLines(kLineKinds[next]);
   message_ = "lines: " + settings_.lines;
 }
 
-void
-Viewer::setLines(const std::string& kind)
-{
+void Viewer::setLines(const std::string& kind) {
   SLIMMapper* mapper = scene_.surfaceMapper();
   if (!mapper) return;
   settings_.lines = kind;
@@ -207,9 +182,7 @@ Viewer::setLines(const std::string& kind)
   if (const Error error = mapper->setLines(params, style)) message_ = error.message;
 }
 
-void
-Viewer::stepBackend()
-{
+void Viewer::stepBackend() {
   SLIMMapper* mapper = scene_.surfaceMapper();
   if (!mapper) return;
   const char* const names[] = {"rays by whichever is faster", "rays by the CPU",
@@ -219,9 +192,7 @@ Viewer::stepBackend()
   message_ = names[next];
 }
 
-void
-Viewer::stepSides()
-{
+void Viewer::stepSides() {
   GBufferMapper* mapper = scene_.mapper();
   if (!mapper) return;
   const char* const names[] = {"sides: automatic", "sides: front", "sides: both"};
@@ -230,9 +201,7 @@ Viewer::stepSides()
   message_ = names[next];
 }
 
-void
-Viewer::focusUnderMouse()
-{
+void Viewer::focusUnderMouse() {
   const int* at = interactor_->GetEventPosition();
   SurfacePick pick;
   SLIMMapper* mapper = scene_.surfaceMapper();
@@ -240,9 +209,7 @@ Viewer::focusUnderMouse()
   renderer_->GetActiveCamera()->SetFocalPoint(pick.position.data());
 }
 
-void
-Viewer::screenshotByKey()
-{
+void Viewer::screenshotByKey() {
   const std::string path = freePictureName();
   const Error error = savePicture(window_, path);
   message_ = error ? error.message : "saved " + path;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where drawn surfaces end beside where their data do: on scans the area drawn far from data and the
-// points without anything drawn, on scenes of known outline the rim itself; and what trim maps cost.
+// Where drawn surfaces end beside where their data do: on scans the area drawn far from data and
+// the points without anything drawn, on scenes of known outline the rim itself; and what trim maps
+// cost.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -10,10 +11,10 @@
 #include "borders/rims.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"
+#include "support/lab/bench.h"
 
 using namespace pcl_slim;
 
@@ -32,10 +33,8 @@ struct Cost {
   double plain = 1e9, trimmed = 1e9;
 };
 
-Error
-fitBoth(const Settings& s, const PointStore& store, SLIMSurface& surface, FitStatistics& stats,
-        Cost& cost)
-{
+Error fitBoth(const Settings& s, const PointStore& store, SLIMSurface& surface,
+              FitStatistics& stats, Cost& cost) {
   for (int i = 0; i < s.repeat; ++i) {
     for (const bool trim : {false, true}) {
       FitParams params = s.fit;
@@ -49,10 +48,8 @@ fitBoth(const Settings& s, const PointStore& store, SLIMSurface& surface, FitSta
   return {};
 }
 
-void
-printCost(const Settings& s, const SLIMSurface& surface, const FitStatistics& stats,
-          const Cost& cost)
-{
+void printCost(const Settings& s, const SLIMSurface& surface, const FitStatistics& stats,
+               const Cost& cost) {
   const double n = static_cast<double>(stats.points);
   const double leaves = static_cast<double>(stats.leaves);
   std::printf(
@@ -68,9 +65,7 @@ printCost(const Settings& s, const SLIMSurface& surface, const FitStatistics& st
 }
 
 /** \brief Overshoot and loss, drawn without trim maps and with them. */
-void
-printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet& feet)
-{
+void printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet& feet) {
   borders::DrawnArea areas[2];
   double lost[2];
   for (int trim = 0; trim < 2; ++trim) {
@@ -87,9 +82,7 @@ printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet&
       100.0 * lost[1], areas[1].total / areas[0].total, areas[0].seconds, areas[1].seconds);
 }
 
-int
-run(const Settings& s, const CloudView& view, const borders::RimScene* scene)
-{
+int run(const Settings& s, const CloudView& view, const borders::RimScene* scene) {
   const Result<PointStore> store = PointStore::build(view, s.fit.threads);
   SLIMSurface surface;
   FitStatistics stats;
@@ -114,9 +107,7 @@ run(const Settings& s, const CloudView& view, const borders::RimScene* scene)
   return kExitDone;
 }
 
-int
-runScene(const Settings& s)
-{
+int runScene(const Settings& s) {
   const borders::RimScene scene = borders::makeRimScene(s.input, s.noise, s.fit.seed);
   CloudView view;
   view.xyz = scene.points.data();
@@ -128,9 +119,7 @@ runScene(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   s.fit.threads = 1;
   OptionTable table("borders_bench", "", "Borders as drawn beside borders of the data.");

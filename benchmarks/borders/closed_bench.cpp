@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Closed bodies, which have no border: leaves that are open all the same, rays lost through them, rays
-// that meet a surface without points, and the time of the maps.
+// Closed bodies, which have no border: leaves that are open all the same, rays lost through them,
+// rays that meet a surface without points, and the time of the maps.
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -10,11 +10,11 @@
 #include "closed_bodies.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "rivals/point_tree.h"
+#include "support/lab/bench.h"
 
 using namespace pcl_slim;
 
@@ -30,9 +30,7 @@ struct Settings {
   FitParams fit;
 };
 
-std::vector<std::string>
-wordsOf(const std::string& text)
-{
+std::vector<std::string> wordsOf(const std::string& text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
     if (c == ',') {
@@ -45,9 +43,7 @@ wordsOf(const std::string& text)
 }
 
 /** \brief Rays from all around through places of a surface's box. */
-std::vector<WorldRay>
-raysThrough(const SLIMSurface& surface, std::uint64_t seed)
-{
+std::vector<WorldRay> raysThrough(const SLIMSurface& surface, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-0.35, 0.35);
@@ -66,24 +62,23 @@ raysThrough(const SLIMSurface& surface, std::uint64_t seed)
   return rays;
 }
 
-/** \brief Rays that meet a surface without its maps near points, and with them not, or farther behind than
- * the noise; and rays that meet a surface where there are no points, without and with the maps. */
+/** \brief Rays that meet a surface without its maps near points, and with them not, or farther
+ * behind than the noise; and rays that meet a surface where there are no points, without and with
+ * the maps. */
 struct Rays {
   std::size_t lost = 0, sails = 0, sails_left = 0;
 };
 
-/** \brief Whether a place is near points of a scene: within three local spacings, or three times the noise. */
+/** \brief Whether a place is near points of a scene: within three local spacings, or three times
+ * the noise. */
 class NearScene {
  public:
   NearScene(const measure::Scene& scene, double sigma)
-      : points_(pointsOf(scene)), tree_(points_), sigma_(sigma)
-  {
-  }
+      : points_(pointsOf(scene)), tree_(points_), sigma_(sigma) {}
 
   double tolerance() const { return kNear * sigma_; }
 
-  bool operator()(const WorldHit& hit) const
-  {
+  bool operator()(const WorldHit& hit) const {
     const Vector3 place = {hit.position[0], hit.position[1], hit.position[2]};
     const Vector3& next = points_[tree_.nearest(place, 1).front()];
     const double distance = length(subtract(place, next));
@@ -98,8 +93,7 @@ class NearScene {
   static constexpr std::size_t kNeighbors = 12;
   static constexpr double kNear = 3;
 
-  static std::vector<Vector3> pointsOf(const measure::Scene& scene)
-  {
+  static std::vector<Vector3> pointsOf(const measure::Scene& scene) {
     std::vector<Vector3> points;
     for (std::size_t i = 0; i + 2 < scene.points.size(); i += 3)
       points.push_back({scene.points[i], scene.points[i + 1], scene.points[i + 2]});
@@ -111,9 +105,7 @@ class NearScene {
   double sigma_;
 };
 
-Rays
-countRays(const SLIMSurface& surface, const NearScene& isNear, std::uint64_t seed)
-{
+Rays countRays(const SLIMSurface& surface, const NearScene& isNear, std::uint64_t seed) {
   SLIMSurface whole = surface;
   whole.dropTrimMaps();
   const std::vector<WorldRay> rays = raysThrough(surface, seed);
@@ -133,9 +125,7 @@ countRays(const SLIMSurface& surface, const NearScene& isNear, std::uint64_t see
   return counts;
 }
 
-Error
-measureBody(const Settings& s, const measure::Scene& scene, double noise)
-{
+Error measureBody(const Settings& s, const measure::Scene& scene, double noise) {
   const Result<PointStore> store =
       PointStore::build(measure::viewOf(scene, nullptr, false), s.fit.threads);
   if (!store) return store.error();
@@ -161,9 +151,8 @@ measureBody(const Settings& s, const measure::Scene& scene, double noise)
   return {};
 }
 
-Error
-runGrid(const Settings& s, const std::vector<double>& counts, const std::vector<double>& noises)
-{
+Error runGrid(const Settings& s, const std::vector<double>& counts,
+              const std::vector<double>& noises) {
   std::printf("%-10s %-7s %8s %7s %6s %5s %6s %5s %5s %5s %7s %6s %6s\n", "body", "spread",
               "points", "noise", "leaves", "open", "cand.", "lost", "sails", "left", "fit s",
               "us/pt", "%fit");
@@ -191,9 +180,7 @@ runGrid(const Settings& s, const std::vector<double>& counts, const std::vector<
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   s.fit.threads = 1;
   OptionTable table("closed_bench", "", "Leaves of closed bodies that trim maps open.");

@@ -18,22 +18,19 @@ constexpr std::size_t kTries = 8;         ///< candidates for a point of a blue 
 /** An ellipsoid's half axes. */
 constexpr Point kAxes{{1.0, 0.6, 0.35}};
 
-/** An amphora: a vessel about the z axis and two handles, parts of tori across x. All blend smoothly. */
+/** An amphora: a vessel about the z axis and two handles, parts of tori across x. All blend
+ * smoothly. */
 constexpr double kHalfHeight = 1.2, kHandleX = 0.42, kHandleZ = 0.42, kHandleMajor = 0.3,
                  kHandleMinor = 0.12, kBlend = 0.1;
 
 /** The lesser of two values, rounded where they differ by less than kBlend. */
-double
-smoothLeast(double a, double b)
-{
+double smoothLeast(double a, double b) {
   const double h = std::max(0.0, kBlend - std::abs(a - b)) / kBlend;
   return std::min(a, b) - 0.25 * kBlend * h * h;
 }
 
 /** About the distance to the amphora, negative inside. */
-double
-amphoraAt(const Point& p)
-{
+double amphoraAt(const Point& p) {
   const double belly = (p[2] + 0.3) / 0.55, lip = (p[2] - 1.05) / 0.2;
   const double radius = 0.25 + 0.55 * std::exp(-belly * belly) + 0.12 * std::exp(-lip * lip);
   const double wall = 0.8 * (std::hypot(p[0], p[1]) - radius);
@@ -42,9 +39,7 @@ amphoraAt(const Point& p)
   return smoothLeast(vessel, std::hypot(ring, p[1]) - kHandleMinor);
 }
 
-Point
-amphoraGradient(const Point& p)
-{
+Point amphoraGradient(const Point& p) {
   constexpr double kStep = 1e-5;
   Point gradient;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -64,16 +59,14 @@ class Sampler {
   double unit() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
   double gauss() { return gauss_(random_); }
 
-  Point draw()
-  {
+  Point draw() {
     if (body_ == Body::kEllipsoid) return ellipsoid();
     return body_ == Body::kAmphora ? amphora() : exact();
   }
 
  private:
   /** A shape of scenes.h. They are made by the thousand: seeds follow each other. */
-  Point exact()
-  {
+  Point exact() {
     constexpr std::size_t kBatch = 4096;
     if (next_ == batch_.points.size()) {
       const Shape shape = body_ == Body::kSphere  ? Shape::kSphere
@@ -88,8 +81,7 @@ class Sampler {
   }
 
   /** A direction scaled to the axes; area a direction is as |(x/a, y/b, z/c) of the normal|. */
-  Point ellipsoid()
-  {
+  Point ellipsoid() {
     for (;;) {
       Point d{gauss(), gauss(), gauss()};
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -105,8 +97,7 @@ class Sampler {
   }
 
   /** A point of a thin shell about the surface, moved onto it. */
-  Point amphora()
-  {
+  Point amphora() {
     constexpr double kShell = 0.02;
     for (;;) {
       Point p{1.9 * unit() - 0.95, 1.9 * unit() - 0.95, 2.5 * unit() - 1.25};
@@ -139,8 +130,7 @@ class ApartPoints {
  public:
   explicit ApartPoints(double least) : least_sq_(least * least), cell_(least) {}
 
-  bool add(const Point& p)
-  {
+  bool add(const Point& p) {
     std::array<std::int64_t, 3> at;
     for (std::size_t a = 0; a < 3; ++a) at[a] = static_cast<std::int64_t>(std::floor(p[a] / cell_));
     for (int k = 0; k < 27; ++k) {
@@ -157,8 +147,7 @@ class ApartPoints {
   }
 
  private:
-  static std::int64_t key(const std::array<std::int64_t, 3>& at)
-  {
+  static std::int64_t key(const std::array<std::int64_t, 3>& at) {
     constexpr std::int64_t kHalf = 1 << 20;
     return ((at[0] + kHalf) << 42) | ((at[1] + kHalf) << 21) | (at[2] + kHalf);
   }
@@ -168,9 +157,7 @@ class ApartPoints {
 };
 
 /** Whether a candidate is one of an uneven spread's points. */
-bool
-isKept(Spread spread, const Point& p, Sampler& sampler)
-{
+bool isKept(Spread spread, const Point& p, Sampler& sampler) {
   if (spread == Spread::kUneven) {
     const double t = std::clamp(0.5 * (p[0] + 1.0), 0.0, 1.0);
     return sampler.unit() < std::pow(kSparsest, t);
@@ -178,9 +165,7 @@ isKept(Spread spread, const Point& p, Sampler& sampler)
   return spread != Spread::kStep || p[0] < 0.1 || sampler.unit() < kSparsest;
 }
 
-std::vector<Point>
-blueSpread(Body body, std::size_t count, std::uint64_t seed)
-{
+std::vector<Point> blueSpread(Body body, std::size_t count, std::uint64_t seed) {
   for (double apart = 4.0 / std::sqrt(static_cast<double>(count));; apart *= 0.93) {
     Sampler sampler(body, seed);
     ApartPoints kept(apart);
@@ -195,9 +180,7 @@ blueSpread(Body body, std::size_t count, std::uint64_t seed)
 
 }  // namespace
 
-bool
-parseBody(const std::string& name, Body& body)
-{
+bool parseBody(const std::string& name, Body& body) {
   static const char* const kNames[] = {"sphere", "torus", "bumpy", "ellipsoid", "amphora"};
   const auto* found = std::find(std::begin(kNames), std::end(kNames), name);
   if (found == std::end(kNames)) return false;
@@ -205,9 +188,7 @@ parseBody(const std::string& name, Body& body)
   return true;
 }
 
-bool
-parseSpread(const std::string& name, Spread& spread)
-{
+bool parseSpread(const std::string& name, Spread& spread) {
   static const char* const kNames[] = {"random", "blue", "uneven", "step"};
   const auto* found = std::find(std::begin(kNames), std::end(kNames), name);
   if (found == std::end(kNames)) return false;
@@ -215,9 +196,7 @@ parseSpread(const std::string& name, Spread& spread)
   return true;
 }
 
-Scene
-makeBody(Body body, Spread spread, std::size_t count, double noise, std::uint64_t seed)
-{
+Scene makeBody(Body body, Spread spread, std::size_t count, double noise, std::uint64_t seed) {
   Sampler sampler(body, seed);
   std::vector<Point> points;
   if (spread == Spread::kBlue) points = blueSpread(body, count, seed);

@@ -19,17 +19,15 @@ enum class Spread {
   kStep     ///< each on its own, half of the body twenty times as dense as the other
 };
 
-/** \brief Body by name: sphere, torus, bumpy, ellipsoid, amphora. \return false for another name. */
-bool
-parseBody(const std::string& name, Body& body);
+/** \brief Body by name: sphere, torus, bumpy, ellipsoid, amphora. \return false for another name.
+ */
+bool parseBody(const std::string& name, Body& body);
 
 /** \brief Spread by name: random, blue, uneven, step. \return false for another name. */
-bool
-parseSpread(const std::string& name, Spread& spread);
+bool parseSpread(const std::string& name, Spread& spread);
 
 /** \brief count points of a body, fixed by seed, without normals.
  * \param[in] noise isotropic Gaussian, share of the diagonal of the body's box */
-Scene
-makeBody(Body body, Spread spread, std::size_t count, double noise, std::uint64_t seed);
+Scene makeBody(Body body, Spread spread, std::size_t count, double noise, std::uint64_t seed);
 
 }  // namespace pcl_slim::measure

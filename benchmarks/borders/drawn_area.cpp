@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/lab/bench.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/lab/bench.h"
 #include "support/lab/reference/reference_renderer.h"
 
 namespace pcl_slim::borders {
@@ -19,9 +19,7 @@ constexpr double kOfEighth = 0.627;      ///< spacing over the distance to the 8
 constexpr double kLeastCosine = 0.05;    ///< pixels seen more obliquely show no more than at this
 constexpr std::uint32_t kNeighbors = 9;  ///< with the point itself
 
-std::vector<Camera>
-axisViews(const SLIMSurface& surface, int size)
-{
+std::vector<Camera> axisViews(const SLIMSurface& surface, int size) {
   std::vector<Camera> cameras;
   const BoundingSpheres object = spheresOf(surface);
   for (int axis = 0; axis < 3; ++axis) {
@@ -39,21 +37,18 @@ axisViews(const SLIMSurface& surface, int size)
 class ViewPixels {
  public:
   ViewPixels(const SLIMSurface& surface, const Camera& camera, const GBuffer& buffer)
-      : info_(surface.info), buffer_(buffer)
-  {
+      : info_(surface.info), buffer_(buffer) {
     const double pixel = camera.view_height / camera.size.height;
     area_ = pixel * pixel;
     to_eye_ = normalized(subtract(camera.position, camera.look_at));
   }
 
-  Vector3 world(std::size_t i) const
-  {
+  Vector3 world(std::size_t i) const {
     const auto& p = buffer_.position[i];
     return along(info_.origin, info_.scale, {p[0], p[1], p[2]});
   }
 
-  double area(std::size_t i) const
-  {
+  double area(std::size_t i) const {
     const auto& n = buffer_.normal[i];
     return area_ / std::max(std::abs(dot(to_eye_, {n[0], n[1], n[2]})), kLeastCosine);
   }
@@ -66,10 +61,8 @@ class ViewPixels {
 };
 
 /** \brief Adds one view's pixels. */
-void
-addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& buffer, int threads,
-        DrawnArea& area)
-{
+void addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& buffer, int threads,
+             DrawnArea& area) {
   std::vector<DrawnArea> rows(static_cast<std::size_t>(buffer.height));
   std::vector<std::vector<std::uint32_t>> scratch(static_cast<std::size_t>(threads));
   parallelFor(rows.size(), threads, 8, [&](std::size_t y, int thread) {
@@ -89,9 +82,7 @@ addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& buffe
 }
 
 /** \brief Spacings and normals of feet that are stored. */
-void
-measureSpacings(int threads, Feet& feet)
-{
+void measureSpacings(int threads, Feet& feet) {
   feet.spacing.resize(feet.store.size());
   for (std::size_t i = 0; i < feet.store.size(); ++i) feet.normal.push_back(feet.store.normal(i));
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
@@ -106,16 +97,13 @@ measureSpacings(int threads, Feet& feet)
 
 }  // namespace
 
-FootSearch::FootSearch(const Feet& feet) : feet_(feet)
-{
+FootSearch::FootSearch(const Feet& feet) : feet_(feet) {
   for (const float s : feet.spacing) widest_ = std::max(widest_, s);
   std::vector<double> spacings(feet.spacing.begin(), feet.spacing.end());
   usual_ = static_cast<float>(kFar * measure::median(std::move(spacings)));
 }
 
-bool
-FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const
-{
+bool FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const {
   const Vector3 place = scaled(subtract(world, feet_.store.origin()), 1.0 / feet_.store.scale());
   const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                        static_cast<float>(place[2])};
@@ -131,9 +119,7 @@ FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) con
   }
 }
 
-bool
-FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t block) const
-{
+bool FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t block) const {
   const std::size_t first = block * PointStore::kBlock;
   const std::size_t end = std::min(first + PointStore::kBlock, feet_.store.size());
   for (std::size_t i = first; i < end; ++i) {
@@ -145,9 +131,7 @@ FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t block) c
   return false;
 }
 
-Feet
-feetOf(const PointStore& points, const SLIMSurface& surface, int threads)
-{
+Feet feetOf(const PointStore& points, const SLIMSurface& surface, int threads) {
   Projection projection;
   ProjectionParams params;
   params.threads = threads;
@@ -173,10 +157,8 @@ feetOf(const PointStore& points, const SLIMSurface& surface, int threads)
   return feet;
 }
 
-DrawnArea
-drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size,
-          bool reference)
-{
+DrawnArea drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params,
+                    int size, bool reference) {
   DrawnArea area;
   RenderParams own = params;
   own.columns = kPositionColumn;
@@ -186,7 +168,8 @@ drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& para
   const FootSearch search(feet);
   for (const Camera& camera : axisViews(surface, size)) {
     const double start = measure::wallSeconds();
-    if (reference ? exact.render(camera, own, buffer) : renderer.render(camera, own, buffer)) return {};
+    if (reference ? exact.render(camera, own, buffer) : renderer.render(camera, own, buffer))
+      return {};
     area.seconds += measure::wallSeconds() - start;
     addView({surface, camera, buffer}, search, buffer, resolveThreads(params.threads), area);
   }

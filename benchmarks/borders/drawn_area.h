@@ -20,8 +20,7 @@ struct Feet {
 };
 
 /** \brief The feet of a store's points, and .627 times their distances to the 8th neighbour. */
-Feet
-feetOf(const PointStore& points, const SLIMSurface& surface, int threads);
+Feet feetOf(const PointStore& points, const SLIMSurface& surface, int threads);
 
 /** \brief Whether places are near data: within 1.5 of a foot's spacings. */
 class FootSearch {
@@ -49,13 +48,11 @@ struct DrawnArea {
 /** \brief Sums up, over six views in parallel projection along the axes, the area that pixels show:
  * all of it, and what lies farther than 1.5 spacings from every foot.
  * \param[in] reference draw with the reference rasteriser */
-DrawnArea
-drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size,
-          bool reference);
+DrawnArea drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params,
+                    int size, bool reference);
 
 /** \brief The share of points within half a spacing of which nothing is drawn: neither at the foot
  * nor at 8 places around it. */
-double
-lostShare(const SLIMSurface& surface, const Feet& feet, const RenderParams& params);
+double lostShare(const SLIMSurface& surface, const Feet& feet, const RenderParams& params);
 
 }  // namespace pcl_slim::borders

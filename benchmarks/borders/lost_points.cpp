@@ -19,8 +19,7 @@ struct PlaceBlend {
   float weight = 0.0f, coverage = 0.0f, outside = 0.0f, lean[3] = {0.0f, 0.0f, 0.0f};
   int leaves = 0;
 
-  bool isDrawn(double min_coverage) const
-  {
+  bool isDrawn(double min_coverage) const {
     if (leaves == 0 || outside > 0.5f * weight) return false;
     if (coverage >= min_coverage) return true;
     const float lean_sq = lean[0] * lean[0] + lean[1] * lean[1] + lean[2] * lean[2];
@@ -29,10 +28,8 @@ struct PlaceBlend {
 };
 
 /** \brief Adds one leaf to a place, told from the leaf's centre in its radii. */
-void
-addLeaf(const SLIMSurface& surface, std::size_t i, const Vector3& offset, bool trim,
-        PlaceBlend& sum)
-{
+void addLeaf(const SLIMSurface& surface, std::size_t i, const Vector3& offset, bool trim,
+             PlaceBlend& sum) {
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
   const double u = dot(offset, frame.u), v = dot(offset, frame.v);
   const double beside =
@@ -50,9 +47,7 @@ addLeaf(const SLIMSurface& surface, std::size_t i, const Vector3& offset, bool t
 }
 
 /** \brief A foot's nine places, the store's units. */
-Vector3
-placeOf(const Feet& feet, std::size_t foot, int k)
-{
+Vector3 placeOf(const Feet& feet, std::size_t foot, int k) {
   const auto p = feet.store.position(foot);
   if (k == 0) return p;
   const auto n = feet.normal[foot];
@@ -66,16 +61,14 @@ placeOf(const Feet& feet, std::size_t foot, int k)
 class Places {
  public:
   Places(const SLIMSurface& surface, const Feet& feet, bool trim)
-      : surface_(surface), feet_(feet), trim_(trim), blends_(feet.store.size() * kPlaces)
-  {
+      : surface_(surface), feet_(feet), trim_(trim), blends_(feet.store.size() * kPlaces) {
     for (const float s : feet.spacing) widest_ = std::max(widest_, s);
     const SurfaceInfo& info = surface.info;
     factor_ = info.scale / feet.store.scale();
     origin_ = scaled(subtract(info.origin, feet.store.origin()), 1.0 / feet.store.scale());
   }
 
-  void addLeaf(std::size_t i)
-  {
+  void addLeaf(std::size_t i) {
     const Vector3 center =
         along(origin_, factor_, {surface_.cx[i], surface_.cy[i], surface_.cz[i]});
     const double radius = factor_ * surface_.radius[i];
@@ -91,8 +84,7 @@ class Places {
   }
 
   /** \brief Feet at none of whose places anything is drawn. */
-  std::size_t countLost() const
-  {
+  std::size_t countLost() const {
     const auto drawn = [this](const PlaceBlend& blend) {
       return blend.isDrawn(surface_.info.cover_threshold);
     };
@@ -104,8 +96,7 @@ class Places {
   }
 
  private:
-  void addToFoot(std::size_t i, const Vector3& center, double radius, std::size_t foot)
-  {
+  void addToFoot(std::size_t i, const Vector3& center, double radius, std::size_t foot) {
     const double apart = length(subtract(feet_.store.position(foot), center));
     if (apart > radius + feet_.spacing[foot]) return;
     for (int k = 0; k < kPlaces; ++k) {
@@ -127,9 +118,7 @@ class Places {
 
 }  // namespace
 
-double
-lostShare(const SLIMSurface& surface, const Feet& feet, const RenderParams& params)
-{
+double lostShare(const SLIMSurface& surface, const Feet& feet, const RenderParams& params) {
   Places places(surface, feet, params.trim);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) places.addLeaf(i);

@@ -18,24 +18,18 @@ constexpr double kStep = 0.25;        ///< between places of a rim
 constexpr double kDiscRadius = 50.0, kHoleRadius = 6.0, kHalfStrip = 4.0;
 constexpr double kInside = -3.0, kOutside = 11.0;  ///< where the drawn rim is looked for
 
-double
-heightAt(double x, double y)
-{
+double heightAt(double x, double y) {
   return 4.0 * std::sin(x / 30.0) + 3.0 * std::cos(y / 25.0);
 }
 
 /** \brief The strip's middle line at parameter t, and its unit normal. */
-RimPlace
-stripAt(double t)
-{
+RimPlace stripAt(double t) {
   const double slope = std::cos(t / 15.0);  // of 15 sin(t / 15)
   const double length = std::hypot(1.0, slope);
   return {{t, 15.0 * std::sin(t / 15.0)}, {-slope / length, 1.0 / length}};
 }
 
-double
-distanceToStrip(double x, double y)
-{
+double distanceToStrip(double x, double y) {
   double best = 1e9;
   for (double t = x - 8.0; t <= x + 8.0; t += 0.05) {
     const RimPlace p = stripAt(t);
@@ -44,9 +38,7 @@ distanceToStrip(double x, double y)
   return best;
 }
 
-std::vector<RimPlace>
-circle(double radius, double outward)
-{
+std::vector<RimPlace> circle(double radius, double outward) {
   std::vector<RimPlace> rim;
   const int places = static_cast<int>(2.0 * M_PI * radius / kStep);
   for (int i = 0; i < places; ++i) {
@@ -56,9 +48,7 @@ circle(double radius, double outward)
   return rim;
 }
 
-std::vector<RimPlace>
-line(const std::array<double, 2>& normal)
-{
+std::vector<RimPlace> line(const std::array<double, 2>& normal) {
   std::vector<RimPlace> rim;
   for (double t = -40.0; t <= 40.0; t += kStep) {
     rim.push_back({{-t * normal[1], t * normal[0]}, normal});
@@ -66,9 +56,7 @@ line(const std::array<double, 2>& normal)
   return rim;
 }
 
-std::vector<RimPlace>
-stripSide(double side)
-{
+std::vector<RimPlace> stripSide(double side) {
   std::vector<RimPlace> rim;
   for (double t = -45.0, step; t <= 45.0; t += step) {
     const RimPlace p = stripAt(t);
@@ -80,10 +68,8 @@ stripSide(double side)
 }
 
 /** \brief Random places of density 1, or a jittered grid, where a shape holds them. */
-std::vector<double>
-samples(const std::function<bool(double, double)>& holds, bool grid, double noise,
-        std::uint64_t seed)
-{
+std::vector<double> samples(const std::function<bool(double, double)>& holds, bool grid,
+                            double noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-60.0, 60.0), jitter(-0.3, 0.3);
   std::normal_distribution<double> normal;
@@ -100,9 +86,7 @@ samples(const std::function<bool(double, double)>& holds, bool grid, double nois
 }
 
 /** \brief Places beside a rim, where the picture shows the surface or not. */
-double
-drawnRim(const RimPlace& place, const GBuffer& picture)
-{
+double drawnRim(const RimPlace& place, const GBuffer& picture) {
   constexpr double kPixel = 2.0 * kHalfExtent / kPixels;
   for (double d = kInside; d < kOutside; d += 0.5 * kPixel) {
     const double x = place.at[0] + d * place.outward[0], y = place.at[1] + d * place.outward[1];
@@ -114,10 +98,8 @@ drawnRim(const RimPlace& place, const GBuffer& picture)
   return kOutside;
 }
 
-Error
-drawFromAbove(const SLIMSurface& surface, const RenderParams& params, bool reference,
-              GBuffer& picture)
-{
+Error drawFromAbove(const SLIMSurface& surface, const RenderParams& params, bool reference,
+                    GBuffer& picture) {
   Camera camera;
   camera.projection = Camera::Projection::kOrthographic;
   camera.position = {0.0, 0.0, 100.0};
@@ -133,8 +115,7 @@ drawFromAbove(const SLIMSurface& surface, const RenderParams& params, bool refer
 /** \brief Sums over places of rims. */
 class RimSums {
  public:
-  void add(const std::vector<double>& drawn)
-  {
+  void add(const std::vector<double>& drawn) {
     constexpr std::size_t kOneSpacing = 4;  // places
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       sum_ += drawn[i];
@@ -148,8 +129,7 @@ class RimSums {
     count_ += static_cast<double>(drawn.size());
   }
 
-  RimFigures figures() const
-  {
+  RimFigures figures() const {
     const double mean = sum_ / count_;
     return {mean, std::sqrt(std::max(0.0, sum_sq_ / count_ - mean * mean)), farthest_,
             std::sqrt(change_sq_ / changes_)};
@@ -162,9 +142,7 @@ class RimSums {
 
 }  // namespace
 
-RimScene
-makeRimScene(const std::string& name, double noise, std::uint64_t seed)
-{
+RimScene makeRimScene(const std::string& name, double noise, std::uint64_t seed) {
   RimScene scene;
   const std::array<double, 2> normal{std::cos(0.35), std::sin(0.35)};
   const auto half = [&](double x, double y) { return x * normal[0] + y * normal[1] < 0.0; };
@@ -186,10 +164,8 @@ makeRimScene(const std::string& name, double noise, std::uint64_t seed)
   return scene;
 }
 
-RimFigures
-measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params,
-            bool reference)
-{
+RimFigures measureRims(const RimScene& scene, const SLIMSurface& surface,
+                       const RenderParams& params, bool reference) {
   GBuffer picture;
   if (drawFromAbove(surface, params, reference, picture)) return {};
   RimSums sums;

@@ -25,8 +25,7 @@ struct RimScene {
 
 /** \brief A scene by name: half, hole (a disc of 100 with a hole of 12), strip (winding, 8 wide) or
  * grid (the disc by a jittered grid). \param[in] noise sigma of the points, isotropic */
-RimScene
-makeRimScene(const std::string& name, double noise, std::uint64_t seed);
+RimScene makeRimScene(const std::string& name, double noise, std::uint64_t seed);
 
 /** \brief Where a surface's drawn rim stands, in spacings outside of the true one. */
 struct RimFigures {
@@ -34,9 +33,9 @@ struct RimFigures {
   double jag = 0.0;  ///< RMS change over one spacing of the rim
 };
 
-/** \brief Measures all of a scene's rims in a picture from above, by the reference rasteriser if wanted. */
-RimFigures
-measureRims(const RimScene& scene, const SLIMSurface& surface, const RenderParams& params,
-            bool reference);
+/** \brief Measures all of a scene's rims in a picture from above, by the reference rasteriser if
+ * wanted. */
+RimFigures measureRims(const RimScene& scene, const SLIMSurface& surface,
+                       const RenderParams& params, bool reference);
 
 }  // namespace pcl_slim::borders

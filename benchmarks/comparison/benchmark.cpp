@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "comparison/tables.h"
-#include "comparison/treat.h"
 #include "common/options.h"
 #include "common/program.h"
+#include "comparison/tables.h"
+#include "comparison/treat.h"
 #include "support/lab/bench.h"
 
 // pcl_slim_benchmark: time against error, SLIM compared with PCL's own classes.
@@ -59,9 +59,7 @@ class Plan {
 namespace {
 
 /** Repeats the settings from begin on, sharp ones left out, with a switch turned on. */
-void
-repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
-{
+void repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings) {
   const std::size_t end = settings.size();
   for (std::size_t i = begin; i < end; ++i) {
     if (settings[i].sharp) continue;
@@ -73,10 +71,8 @@ repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
 }
 
 /** Words separated by commas, each one of those known; the error names them. */
-Error
-parseWords(const std::string& option, const std::string& text,
-           const std::vector<std::string>& known, std::vector<std::string>& words)
-{
+Error parseWords(const std::string& option, const std::string& text,
+                 const std::vector<std::string>& known, std::vector<std::string>& words) {
   std::string remedy;
   for (const std::string& word : known) remedy += (remedy.empty() ? "" : ", ") + word;
   std::stringstream stream(text);
@@ -93,9 +89,7 @@ parseWords(const std::string& option, const std::string& text,
 
 }  // namespace
 
-void
-Plan::declareOptions(OptionTable& options)
-{
+void Plan::declareOptions(OptionTable& options) {
   options.text("shapes", &shapes_, "NAME,...",
                "exact surfaces: sphere, torus, bumpy, relief, cube");
   options.text("noises", &noises_, "S,...", "noise, as a share of the box diagonal");
@@ -129,9 +123,7 @@ Plan::declareOptions(OptionTable& options)
   options.exclusive({"input", "pairs"});
 }
 
-Error
-Plan::finishFiles()
-{
+Error Plan::finishFiles() {
   if (input_.empty() != truth_.empty()) {
     return {ErrorCode::kBadArgument,
             "a scan and its truth belong together; give -input and -truth"};
@@ -157,9 +149,7 @@ Plan::finishFiles()
           "'" + pairs_ + "' has no NAME_noisy.ply with its NAME_original.ply; name another folder"};
 }
 
-Error
-Plan::finishOptions(const OptionTable& options)
-{
+Error Plan::finishOptions(const OptionTable& options) {
   if (Error error = measure::chooseVectors(vectors_)) return error;
   if (Error error = parseWords("shapes", shapes_, shapeNames(), shape_list_)) return error;
   if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
@@ -185,9 +175,7 @@ Plan::finishOptions(const OptionTable& options)
   return finishFiles();
 }
 
-Error
-Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const
-{
+Error Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const {
   for (const FilePair& pair : files_) {
     const Result<Scene> scene = loadScene(pair.name, pair.input, pair.truth);
     if (!scene) return scene.error();
@@ -206,9 +194,7 @@ Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const
   return {};
 }
 
-void
-Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
-{
+void Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const {
   for (const bool normals : {false, true}) {
     if (normals_ == (normals ? "0" : "1") || (normals && scene.normals.empty())) continue;
     Setting s;
@@ -240,9 +226,7 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
   }
 }
 
-std::vector<Setting>
-Plan::settingsFor(const Scene& scene) const
-{
+std::vector<Setting> Plan::settingsFor(const Scene& scene) const {
   std::vector<Setting> settings;
   const auto asked = [this](const char* method) {
     return std::count(method_list_.begin(), method_list_.end(), method) > 0;
@@ -282,9 +266,7 @@ struct Settings {
   bool chart = true, quiet = false;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_slim_benchmark", PCL_SLIM_VERSION,
                       "Measures time against error: SLIM beside pcl::MovingLeastSquares and "
                       "pcl::NormalEstimationOMP.");
@@ -296,9 +278,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-std::string
-outcomeText(const Run& run, std::size_t points)
-{
+std::string outcomeText(const Run& run, std::size_t points) {
   char text[128];
   std::snprintf(text, sizeof(text), "%.3g us/pt CPU", 1e6 * run.cpu / static_cast<double>(points));
   std::string all = text;
@@ -312,9 +292,8 @@ outcomeText(const Run& run, std::size_t points)
   return all;
 }
 
-Error
-treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<SceneRuns>& all)
-{
+Error treatScene(const Settings& s, const Scene& scene, Console& console,
+                 std::vector<SceneRuns>& all) {
   SceneRuns measured;
   measured.name = scene.name;
   measured.noise = scene.noise;
@@ -335,9 +314,7 @@ treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<
   return {};
 }
 
-int
-runSweeps(const Settings& s, const OptionTable& options, const std::string& command)
-{
+int runSweeps(const Settings& s, const OptionTable& options, const std::string& command) {
   Console console(s.quiet);
   std::vector<SceneRuns> scenes;
   bool loaded = false;
@@ -356,9 +333,7 @@ runSweeps(const Settings& s, const OptionTable& options, const std::string& comm
   return kExitDone;
 }
 
-int
-run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
@@ -373,9 +348,7 @@ run(int argc, char** argv)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   pcl_slim::measure::keepFreedMemory();
   return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
                            [&] { return run(argc, argv); });

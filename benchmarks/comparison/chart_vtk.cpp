@@ -51,9 +51,7 @@ const Series kSeries[] = {
     {"default, normals", Method::kSlim, 0, 1, true, {0, 110, 40}, vtkPlotPoints::DIAMOND},
 };
 
-bool
-belongs(const Run& run, const Series& series)
-{
+bool belongs(const Run& run, const Series& series) {
   const Setting& s = run.setting;
   if (s.method != series.method || !(run.errors.position > 0) || !(run.cpu > 0)) return false;
   if (series.degree > 0 && s.degree != series.degree) return false;
@@ -61,9 +59,7 @@ belongs(const Run& run, const Series& series)
   return !series.automatic || s.automatic();
 }
 
-void
-addSeries(const SceneRuns& scene, const Series& series, vtkChart* chart)
-{
+void addSeries(const SceneRuns& scene, const Series& series, vtkChart* chart) {
   vtkNew<vtkFloatArray> cost, error;
   cost->SetName("cost");
   error->SetName(series.name);
@@ -84,9 +80,7 @@ addSeries(const SceneRuns& scene, const Series& series, vtkChart* chart)
 }
 
 /** From a power of ten to a power of ten around all values of both axes. */
-void
-fitAxis(vtkChart* chart, int which, const char* title, double low, double high)
-{
+void fitAxis(vtkChart* chart, int which, const char* title, double low, double high) {
   vtkAxis* axis = chart->GetAxis(which);
   axis->SetTitle(title);
   axis->GetTitleProperties()->SetFontSize(11);
@@ -99,9 +93,7 @@ fitAxis(vtkChart* chart, int which, const char* title, double low, double high)
   axis->SetBehavior(vtkAxis::FIXED);
 }
 
-void
-drawPanel(const SceneRuns& scene, bool legend, vtkChart* chart)
-{
+void drawPanel(const SceneRuns& scene, bool legend, vtkChart* chart) {
   double low[2] = {1e30, 1e30}, high[2] = {0, 0};
   for (const Run& run : scene.runs) {
     const double values[2] = {1e6 * run.cpu / static_cast<double>(scene.points),
@@ -127,9 +119,7 @@ drawPanel(const SceneRuns& scene, bool legend, vtkChart* chart)
 }
 
 /** As many columns as scenes of the first name have noises; otherwise a square. */
-int
-numColumns(const std::vector<SceneRuns>& scenes)
-{
+int numColumns(const std::vector<SceneRuns>& scenes) {
   const auto count = static_cast<int>(scenes.size());
   const auto same = static_cast<int>(std::count_if(
       scenes.begin(), scenes.end(), [&](const SceneRuns& s) { return s.name == scenes[0].name; }));
@@ -137,9 +127,7 @@ numColumns(const std::vector<SceneRuns>& scenes)
   return static_cast<int>(std::ceil(std::sqrt(count)));
 }
 
-bool
-render(const std::vector<SceneRuns>& scenes, const std::string& path)
-{
+bool render(const std::vector<SceneRuns>& scenes, const std::string& path) {
   const int columns = numColumns(scenes);
   const int rows = (static_cast<int>(scenes.size()) + columns - 1) / columns;
   vtkNew<vtkContextView> view;
@@ -171,9 +159,7 @@ render(const std::vector<SceneRuns>& scenes, const std::string& path)
 
 }  // namespace
 
-Error
-drawChart(const std::vector<SceneRuns>& scenes, const std::string& path)
-{
+Error drawChart(const std::vector<SceneRuns>& scenes, const std::string& path) {
   const char* display = std::getenv("DISPLAY");
   if (!display || !*display) {
     return {ErrorCode::kIo,

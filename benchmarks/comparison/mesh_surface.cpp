@@ -15,22 +15,16 @@ namespace {
 using Point = MeshSurface::Point;
 constexpr std::uint32_t kLeafTriangles = 4;
 
-Point
-minus(const Point& a, const Point& b)
-{
+Point minus(const Point& a, const Point& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-double
-dot(const Point& a, const Point& b)
-{
+double dot(const Point& a, const Point& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /** Squared distance from a point to a box; 0 inside. */
-double
-boxDistanceSq(const Point& low, const Point& high, const Point& p)
-{
+double boxDistanceSq(const Point& low, const Point& high, const Point& p) {
   double sum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const double off = std::max({low[a] - p[a], p[a] - high[a], 0.0});
@@ -40,9 +34,7 @@ boxDistanceSq(const Point& low, const Point& high, const Point& p)
 }
 
 /** The nearest point of a triangle, as shares of its corners. */
-Point
-nearestShares(const Point& a, const Point& b, const Point& c, const Point& p)
-{
+Point nearestShares(const Point& a, const Point& b, const Point& c, const Point& p) {
   const Point ab = minus(b, a), ac = minus(c, a), ap = minus(p, a);
   const double bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac);
   const double pb = dot(ap, ab), pc = dot(ap, ac), area = bb * cc - bc * bc;
@@ -72,17 +64,14 @@ nearestShares(const Point& a, const Point& b, const Point& c, const Point& p)
 }  // namespace
 
 MeshSurface::MeshSurface(std::vector<Point> vertices, std::vector<Triangle> triangles)
-    : vertices_(std::move(vertices)), triangles_(std::move(triangles))
-{
+    : vertices_(std::move(vertices)), triangles_(std::move(triangles)) {
   nodes_.reserve(triangles_.size());
   nodes_.emplace_back();
   build(0, 0, static_cast<std::uint32_t>(triangles_.size()));
   findBorders();
 }
 
-void
-MeshSurface::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end)
-{
+void MeshSurface::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
   Bounds box;
   for (std::uint32_t t = begin; t < end; ++t) {
     for (const std::uint32_t corner : triangles_[t]) box.add(vertices_[corner]);
@@ -111,9 +100,7 @@ MeshSurface::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end)
   build(first + 1, middle, end);
 }
 
-void
-MeshSurface::findBorders()
-{
+void MeshSurface::findBorders() {
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   const auto edgeOf = [](const Triangle& t, std::size_t k) {
     return Edge(std::minmax(t[k], t[(k + 1) % 3]));
@@ -143,10 +130,8 @@ MeshSurface::findBorders()
   }
 }
 
-void
-MeshSurface::visit(const Triangle& triangle, std::uint8_t borders, const Point& p, double& best_sq,
-                   bool& border) const
-{
+void MeshSurface::visit(const Triangle& triangle, std::uint8_t borders, const Point& p,
+                        double& best_sq, bool& border) const {
   const Point &a = vertices_[triangle[0]], &b = vertices_[triangle[1]], &c = vertices_[triangle[2]];
   const Point share = nearestShares(a, b, c, p);
   double distance_sq = 0;
@@ -165,9 +150,7 @@ MeshSurface::visit(const Triangle& triangle, std::uint8_t borders, const Point& 
   }
 }
 
-MeshFoot
-MeshSurface::nearest(const Point& p) const
-{
+MeshFoot MeshSurface::nearest(const Point& p) const {
   struct Entry {
     std::uint32_t node;
     double distance_sq;

@@ -23,10 +23,9 @@ namespace {
 using Point = std::array<double, 3>;
 constexpr double kCubeHalf = 1.0;
 
-/** A scene whose clean points are the cube's, spread evenly, as measure::makeScene does for others. */
-measure::Scene
-makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_noise)
-{
+/** A scene whose clean points are the cube's, spread evenly, as measure::makeScene does for others.
+ */
+measure::Scene makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_noise) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> side(-kCubeHalf, kCubeHalf);
   std::uniform_int_distribution<int> face(0, 5);
@@ -54,9 +53,7 @@ makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_nois
 }
 
 /** Distance to the cube's surface, and the normal of the face nearest to a point. */
-measure::Truth
-cubeTruth(const Point& p)
-{
+measure::Truth cubeTruth(const Point& p) {
   double outside = 0, inside = -kCubeHalf;
   std::size_t axis = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -73,9 +70,7 @@ cubeTruth(const Point& p)
 
 }  // namespace
 
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-toCloud(const std::vector<double>& xyz)
-{
+pcl::PointCloud<pcl::PointXYZ>::Ptr toCloud(const std::vector<double>& xyz) {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   cloud->reserve(xyz.size() / 3);
   for (std::size_t i = 0; i < xyz.size(); i += 3) {
@@ -85,9 +80,7 @@ toCloud(const std::vector<double>& xyz)
   return cloud;
 }
 
-double
-spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean)
-{
+double spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean) {
   constexpr int kNeighbours = 10;
   const std::size_t stride = std::max<std::size_t>(1, clean->size() / 2000);
   pcl::search::KdTree<pcl::PointXYZ> tree;
@@ -102,17 +95,13 @@ spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean)
   return std::sqrt(median(std::move(tenth)) * M_PI / kNeighbours);
 }
 
-const std::vector<std::string>&
-shapeNames()
-{
+const std::vector<std::string>& shapeNames() {
   static const std::vector<std::string> names = {"sphere", "torus", "bumpy", "relief", "cube"};
   return names;
 }
 
-Result<Scene>
-makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed,
-          double normal_noise)
-{
+Result<Scene> makeScene(const std::string& shape, std::size_t count, double noise,
+                        std::uint64_t seed, double normal_noise) {
   measure::Shape kind = measure::Shape::kSphere;
   const bool cube = shape == "cube";
   if (!cube && !measure::parseShape(shape, kind)) {
@@ -144,9 +133,7 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
 namespace {
 
 /** Mean edge length of a mesh; 0 without faces. */
-double
-meanEdge(const CloudFile& mesh)
-{
+double meanEdge(const CloudFile& mesh) {
   const PointFile& file = mesh.file;
   const CloudView view = mesh.view(false);
   double sum = 0;
@@ -171,9 +158,7 @@ struct PairTruth {
   std::vector<std::array<float, 3>> normals;
 };
 
-measure::Truth
-pairTruth(const PairTruth& pair, std::size_t i, const Point& p)
-{
+measure::Truth pairTruth(const PairTruth& pair, std::size_t i, const Point& p) {
   measure::Truth truth;
   for (std::size_t a = 0; a < 3; ++a) {
     truth.distance += std::pow(p[a] - pair.points[3 * i + a], 2);
@@ -185,9 +170,7 @@ pairTruth(const PairTruth& pair, std::size_t i, const Point& p)
 
 /** Brings the points that are finite in both files into the scene and its truth. \return the
  * point, in the files, that both are relative to. */
-Point
-joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth& pair)
-{
+Point joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth& pair) {
   std::vector<double> noisy;
   Point origin{};
   for (std::size_t i = 0; i < input.size; ++i) {
@@ -209,9 +192,7 @@ joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth
 
 /** Triangles of a mesh relative to an origin, larger faces as fans; those with a corner that is not
  * finite are left out. */
-std::shared_ptr<const MeshSurface>
-surfaceOf(const CloudFile& mesh, const Point& origin)
-{
+std::shared_ptr<const MeshSurface> surfaceOf(const CloudFile& mesh, const Point& origin) {
   const PointFile& file = mesh.file;
   const CloudView view = mesh.view(false);
   std::vector<Point> vertices(view.size);
@@ -235,9 +216,7 @@ surfaceOf(const CloudFile& mesh, const Point& origin)
 
 /** Compares a scan's points with a mesh: those near its surface, not over its holes or beyond
  * its border, and not farther from it than reach. */
-void
-judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Scene& scene)
-{
+void judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Scene& scene) {
   scene.judged.resize(scene.size());
   for (std::size_t i = 0; i < scene.size(); ++i) {
     const pcl::PointXYZ& p = (*scene.points)[i];
@@ -251,9 +230,8 @@ judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Sce
   };
 }
 
-Error
-noTruth(const std::string& input, const std::string& truth, std::size_t points, std::size_t others)
-{
+Error noTruth(const std::string& input, const std::string& truth, std::size_t points,
+              std::size_t others) {
   return {ErrorCode::kBadInput,
           "'" + input + "' has " + std::to_string(points) + " points and '" + truth + "' " +
               std::to_string(others) +
@@ -262,9 +240,8 @@ noTruth(const std::string& input, const std::string& truth, std::size_t points, 
 
 }  // namespace
 
-Result<Scene>
-loadScene(const std::string& name, const std::string& input, const std::string& truth)
-{
+Result<Scene> loadScene(const std::string& name, const std::string& input,
+                        const std::string& truth) {
   const Result<CloudFile> noisy = loadCloudFile(input);
   if (!noisy) return noisy.error();
   const Result<CloudFile> clean = loadCloudFile(truth);

@@ -11,21 +11,19 @@
 #include <string>
 #include <vector>
 
-#include "support/lab/scenes.h"
 #include "pcl_slim/core/error.h"
+#include "support/lab/scenes.h"
 
 /** \brief SLIM compared with PCL's own classes: the same input points, the same truth for the
  * results, the same clock for both. */
 namespace pcl_slim::comparison {
 
 /** \brief x y z per point as PCL's cloud of floats. */
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-toCloud(const std::vector<double>& xyz);
+pcl::PointCloud<pcl::PointXYZ>::Ptr toCloud(const std::vector<double>& xyz);
 
 /** \brief sqrt(area / points) from the median distance to the 10th neighbour of clean points, if
  * they are spread evenly over a surface; 0 of ten points or fewer. */
-double
-spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean);
+double spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean);
 
 /** \brief A noisy cloud and what is true of it. */
 struct Scene {
@@ -49,17 +47,15 @@ struct Scene {
 };
 
 /** \brief Shapes that makeScene knows: sphere, torus, bumpy, relief, cube. */
-const std::vector<std::string>&
-shapeNames();
+const std::vector<std::string>& shapeNames();
 
 constexpr double kNormalNoise = 0.05;  ///< rad, of the normals that scenes come with
 
 /** \brief count points on an exact shape, fixed by seed, with isotropic Gaussian noise of points
  * and normals. The same seed gives the same points and normals under any noise of the points. An
  * unknown name gives an error. */
-Result<Scene>
-makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed = 7,
-          double normal_noise = kNormalNoise);
+Result<Scene> makeScene(const std::string& shape, std::size_t count, double noise,
+                        std::uint64_t seed = 7, double normal_noise = kNormalNoise);
 
 /** \brief A scan and its truth: as many points in one order or, where the counts differ, the
  * surface of a mesh.
@@ -69,7 +65,7 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
  * and away from its borders and holes count. Points not finite in either file are left out. Both
  * are moved to a first point, which keeps large coordinates exact enough for PCL's floats.
  */
-Result<Scene>
-loadScene(const std::string& name, const std::string& input, const std::string& truth);
+Result<Scene> loadScene(const std::string& name, const std::string& input,
+                        const std::string& truth);
 
 }  // namespace pcl_slim::comparison

@@ -10,9 +10,9 @@
 #include <thread>
 #include <utility>
 
+#include "pcl_slim/core/file_access.h"
 #include "support/lab/bench.h"
 #include "support/lab/scenes.h"
-#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {
 
@@ -23,9 +23,7 @@ constexpr double kDegreesPerRadian = 180 / M_PI;
 
 /** Angle in radians between two directions regardless of sign; sound for the smallest angles.
  * \param[out] same_side whether they point to one side. */
-double
-angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool& same_side)
-{
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool& same_side) {
   const double dot = a.dot(b);
   same_side = dot >= 0;
   return std::atan2(a.cross(b).norm(), std::abs(dot));
@@ -36,16 +34,14 @@ struct Sums {
   double position = 0, worst = 0, normal = 0, curvature = 0, true_curvature = 0;
   std::size_t points = 0, directions = 0;
 
-  void addPosition(double distance)
-  {
+  void addPosition(double distance) {
     position += distance * distance;
     worst = std::max(worst, std::abs(distance));
     ++points;
   }
 
   void addNormal(const pcl::PointNormal& p, const measure::Truth& truth,
-                 const float* mean_curvature)
-  {
+                 const float* mean_curvature) {
     bool same_side = true;
     const Eigen::Vector3d true_normal(truth.normal.data());
     const double angle =
@@ -59,9 +55,7 @@ struct Sums {
   }
 };
 
-bool
-belongs(const Run& run, Family family, int given)
-{
+bool belongs(const Run& run, Family family, int given) {
   const Setting& s = run.setting;
   if (s.method == Method::kSlim && given >= 0 && s.normals != (given == 1)) return false;
   switch (family) {
@@ -74,23 +68,17 @@ belongs(const Run& run, Family family, int given)
 }
 
 /** Three digits; an empty cell for what a method does not give. */
-std::string
-number(double value)
-{
+std::string number(double value) {
   char text[32] = "";
   if (std::isfinite(value)) std::snprintf(text, sizeof(text), "%.3g", value);
   return text;
 }
 
-double
-microseconds(double seconds, const SceneRuns& scene)
-{
+double microseconds(double seconds, const SceneRuns& scene) {
   return 1e6 * seconds / static_cast<double>(scene.points);
 }
 
-std::string
-firstLine(const char* path, const std::string& key)
-{
+std::string firstLine(const char* path, const std::string& key) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
     if (line.compare(0, key.size(), key) != 0) continue;
@@ -101,9 +89,7 @@ firstLine(const char* path, const std::string& key)
 }
 
 /** CPU of MLS order 2 at its best radius against the cheapest SLIM run that is no worse. */
-std::string
-ratioRow(const SceneRuns& scene, const Run& rival, int given)
-{
+std::string ratioRow(const SceneRuns& scene, const Run& rival, int given) {
   const Run* cheapest = cheapestRun(scene, Family::kSlim, given, rival.errors.position);
   const Run* automatic = bestRun(scene, Family::kSlimDefault, given, &Errors::position);
   if (!cheapest && !automatic) return "";
@@ -119,9 +105,7 @@ ratioRow(const SceneRuns& scene, const Run& rival, int given)
          (given ? "given" : "none") + " |" + cells(cheapest) + cells(automatic) + "\n";
 }
 
-std::string
-ratioTable(const std::vector<SceneRuns>& scenes)
-{
+std::string ratioTable(const std::vector<SceneRuns>& scenes) {
   std::string rows;
   for (const SceneRuns& scene : scenes) {
     const Run* rival = bestRun(scene, Family::kMlsOrder2, -1, &Errors::position);
@@ -137,9 +121,7 @@ ratioTable(const std::vector<SceneRuns>& scenes)
          rows + "\n";
 }
 
-std::string
-errorRow(const SceneRuns& scene, const std::string& what, const Run* run)
-{
+std::string errorRow(const SceneRuns& scene, const std::string& what, const Run* run) {
   if (!run) return "";
   const Errors& e = run->errors;
   return "| " + what + " | " + run->setting.fullText() + " | " +
@@ -150,9 +132,7 @@ errorRow(const SceneRuns& scene, const std::string& what, const Run* run)
          std::to_string(run->kept) + " |\n";
 }
 
-std::string
-bestTable(const SceneRuns& scene)
-{
+std::string bestTable(const SceneRuns& scene) {
   std::string text =
       "## " + scene.title() + ", " + std::to_string(scene.points) + " points\n\n" +
       (scene.mean_edges ? "Lengths in mean edges of the truth. " : "") + "The input is off by " +
@@ -184,9 +164,7 @@ bestTable(const SceneRuns& scene)
 
 }  // namespace
 
-Errors
-measure(const Scene& scene, const Treated& treated)
-{
+Errors measure(const Scene& scene, const Treated& treated) {
   Sums sums;
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if (!scene.isJudged(i)) continue;
@@ -211,9 +189,7 @@ measure(const Scene& scene, const Treated& treated)
   return e;
 }
 
-Errors
-inputErrors(const Scene& scene)
-{
+Errors inputErrors(const Scene& scene) {
   Treated untouched;
   untouched.done.assign(scene.size(), 0);
   for (const pcl::PointXYZ& p : *scene.points) {
@@ -222,9 +198,7 @@ inputErrors(const Scene& scene)
   return measure(scene, untouched);
 }
 
-Result<Run>
-runSetting(const Scene& scene, const Setting& setting, int repeats)
-{
+Result<Run> runSetting(const Scene& scene, const Setting& setting, int repeats) {
   Run run;
   run.setting = setting;
   Result<Treated> treated = Error();
@@ -248,15 +222,11 @@ runSetting(const Scene& scene, const Setting& setting, int repeats)
   return run;
 }
 
-std::string
-SceneRuns::title() const
-{
+std::string SceneRuns::title() const {
   return noise > 0 ? name + ", " + number(100 * noise) + " % noise" : name;
 }
 
-const Run*
-bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error)
-{
+const Run* bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error) {
   const Run* best = nullptr;
   for (const Run& run : scene.runs) {
     if (!belongs(run, family, given) || !std::isfinite(run.errors.*error)) continue;
@@ -265,9 +235,7 @@ bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error)
   return best;
 }
 
-const Run*
-cheapestRun(const SceneRuns& scene, Family family, int given, double bound)
-{
+const Run* cheapestRun(const SceneRuns& scene, Family family, int given, double bound) {
   const Run* best = nullptr;
   for (const Run& run : scene.runs) {
     // Also false where there is no position error.
@@ -277,9 +245,7 @@ cheapestRun(const SceneRuns& scene, Family family, int given, double bound)
   return best;
 }
 
-std::string
-machineText(const std::string& command)
-{
+std::string machineText(const std::string& command) {
   double load[1] = {0};
   const bool known = getloadavg(load, 1) == 1;
   return "Machine: " + firstLine("/proc/cpuinfo", "model name") + ", " +
@@ -288,9 +254,7 @@ machineText(const std::string& command)
          ". Command:\n\n```\n" + command + "\n```\n\n";
 }
 
-std::string
-csvText(const std::vector<SceneRuns>& scenes)
-{
+std::string csvText(const std::vector<SceneRuns>& scenes) {
   std::string text =
       "scene,points,noise,unit,method,setting,normals,threads,cpu_us_per_point,wall_us_per_point,"
       "rms_position,max_position,rms_normal_deg,mean_curvature_error,peak_mb,without_result\n";
@@ -311,27 +275,21 @@ csvText(const std::vector<SceneRuns>& scenes)
   return text;
 }
 
-std::string
-markdownText(const std::vector<SceneRuns>& scenes, const std::string& command)
-{
+std::string markdownText(const std::vector<SceneRuns>& scenes, const std::string& command) {
   std::string text = "# SLIM beside PCL\n\n" + machineText(command) + ratioTable(scenes);
   for (const SceneRuns& scene : scenes) text += bestTable(scene);
   return text;
 }
 
-Error
-checkTables(const std::string& prefix)
-{
+Error checkTables(const std::string& prefix) {
   for (const char* extension : {".csv", ".md"}) {
     if (Error error = checkWritable(prefix + extension)) return error;
   }
   return {};
 }
 
-Error
-writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
-            Console& console)
-{
+Error writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
+                  Console& console) {
   FileTransaction files;
   Error error = writeFile(prefix + ".csv", csv.data(), csv.size());
   if (!error) error = writeFile(prefix + ".md", markdown.data(), markdown.size());

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "comparison/treat.h"
 #include "common/program.h"
+#include "comparison/treat.h"
 #include "pcl_slim/core/error.h"
 
 namespace pcl_slim::comparison {
@@ -32,18 +32,15 @@ struct Run {
 };
 
 /** \brief How far a method's result is from the truth, over the points that the scene judges. */
-Errors
-measure(const Scene& scene, const Treated& treated);
+Errors measure(const Scene& scene, const Treated& treated);
 
 /** \brief How far the scene's points are from the truth as they come. */
-Errors
-inputErrors(const Scene& scene);
+Errors inputErrors(const Scene& scene);
 
 /** \brief Treats a scene in one way, measured.
  * \param[in] repeats at least 1; times are medians. A run that takes more than two seconds is not
  * repeated. */
-Result<Run>
-runSetting(const Scene& scene, const Setting& setting, int repeats = 1);
+Result<Run> runSetting(const Scene& scene, const Setting& setting, int repeats = 1);
 
 /** \brief Everything measured on one scene. */
 struct SceneRuns {
@@ -64,34 +61,27 @@ enum class Family { kSlimDefault, kSlim, kMls, kMlsOrder2, kNormals };
 
 /** \brief Run of least error in a family, or null where none has that error.
  * \param[in] given for SLIM: with (1), without (0) normals, or either (-1). */
-const Run*
-bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error);
+const Run* bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error);
 
 /** \brief Run of least CPU time in a family whose RMS position error is at most bound, or null. */
-const Run*
-cheapestRun(const SceneRuns& scene, Family family, int given, double bound);
+const Run* cheapestRun(const SceneRuns& scene, Family family, int given, double bound);
 
 /** \brief One row a run, with a header. */
-std::string
-csvText(const std::vector<SceneRuns>& scenes);
+std::string csvText(const std::vector<SceneRuns>& scenes);
 
 /** \brief Processor, threads, load average and the command that gave the tables, in Markdown. */
-std::string
-machineText(const std::string& command);
+std::string machineText(const std::string& command);
 
 /** \brief Best-of tables and CPU ratios, in Markdown.
  * \param[in] command line that gave them. */
-std::string
-markdownText(const std::vector<SceneRuns>& scenes, const std::string& command);
+std::string markdownText(const std::vector<SceneRuns>& scenes, const std::string& command);
 
 /** \brief Whether PREFIX.csv and PREFIX.md can be written; returns the reason if not. */
-Error
-checkTables(const std::string& prefix);
+Error checkTables(const std::string& prefix);
 
 /** \brief Writes PREFIX.csv and PREFIX.md and prints their names. */
-Error
-writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
-            Console& console);
+Error writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
+                  Console& console);
 
 /** \brief Draws CPU time per point against RMS position error, both logarithmic, a panel a scene,
  * into a PNG file.
@@ -99,7 +89,6 @@ writeTables(const std::string& prefix, const std::string& csv, const std::string
  * \return an error where the chart cannot be drawn: no X server (VTK draws through one even off
  * the screen), a build without VTK's charts, nothing to draw, or a file that cannot be written.
  */
-Error
-drawChart(const std::vector<SceneRuns>& scenes, const std::string& path);
+Error drawChart(const std::vector<SceneRuns>& scenes, const std::string& path);
 
 }  // namespace pcl_slim::comparison

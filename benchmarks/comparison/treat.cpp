@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pcl_slim/query/projection.h"
 #include "support/lab/bench.h"
 #include "support/lab/scenes.h"
-#include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::comparison {
 
@@ -20,17 +20,14 @@ namespace {
 struct Clock {
   double cpu = measure::cpuSeconds(), wall = measure::wallSeconds();
 
-  void stop(Treated& treated) const
-  {
+  void stop(Treated& treated) const {
     treated.cpu = measure::cpuSeconds() - cpu;
     treated.wall = measure::wallSeconds() - wall;
   }
 };
 
 /** The input as output, no point done. */
-void
-startFrom(const Scene& scene, Treated& treated)
-{
+void startFrom(const Scene& scene, Treated& treated) {
   treated.points.resize(scene.size());
   treated.done.assign(scene.size(), 0);
   for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -38,9 +35,7 @@ startFrom(const Scene& scene, Treated& treated)
   }
 }
 
-CloudView
-viewOf(const Scene& scene, bool normals)
-{
+CloudView viewOf(const Scene& scene, bool normals) {
   CloudView view;
   view.xyz = scene.points->data();
   view.xyz_stride = sizeof(pcl::PointXYZ);
@@ -53,10 +48,8 @@ viewOf(const Scene& scene, bool normals)
 }
 
 /** Brings the store's results into the order and precision of PCL's cloud. */
-void
-collect(const Scene& scene, const PointStore& store, const std::vector<std::uint32_t>& stored,
-        const Projection& projection, Treated& treated)
-{
+void collect(const Scene& scene, const PointStore& store, const std::vector<std::uint32_t>& stored,
+             const Projection& projection, Treated& treated) {
   startFrom(scene, treated);
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const std::uint32_t s = stored[i];
@@ -71,9 +64,7 @@ collect(const Scene& scene, const PointStore& store, const std::vector<std::uint
   }
 }
 
-Error
-runSlim(const Scene& scene, const Setting& setting, Treated& treated)
-{
+Error runSlim(const Scene& scene, const Setting& setting, Treated& treated) {
   ProjectionParams project;
   project.sharp_features = setting.sharp;
   project.threads = setting.threads;
@@ -101,10 +92,9 @@ runSlim(const Scene& scene, const Setting& setting, Treated& treated)
 }
 
 /** Mean curvature of MLS's polynomial, a height along its normal: a bulge is negative there.
- * (MLSResult::calculatePrincipalCurvatures asserts that rounding spares H^2 - K >= 0; it does not.) */
-float
-meanCurvature(const pcl::MLSResult& fit)
-{
+ * (MLSResult::calculatePrincipalCurvatures asserts that rounding spares H^2 - K >= 0; it does not.)
+ */
+float meanCurvature(const pcl::MLSResult& fit) {
   const auto d = fit.getPolynomialPartialDerivative(0, 0);
   const double length_sq = 1 + d.z_u * d.z_u + d.z_v * d.z_v;
   const double sum =
@@ -113,9 +103,7 @@ meanCurvature(const pcl::MLSResult& fit)
 }
 
 /** MLS drops points with too few neighbours and hands out the others in its threads' order. */
-void
-runMls(const Scene& scene, const Setting& setting, Treated& treated)
-{
+void runMls(const Scene& scene, const Setting& setting, Treated& treated) {
   pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointNormal> mls;
   mls.setInputCloud(scene.points);
   mls.setComputeNormals(true);
@@ -145,9 +133,7 @@ runMls(const Scene& scene, const Setting& setting, Treated& treated)
   }
 }
 
-void
-runNormals(const Scene& scene, const Setting& setting, Treated& treated)
-{
+void runNormals(const Scene& scene, const Setting& setting, Treated& treated) {
   pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(
       static_cast<unsigned>(setting.threads));
   estimation.setInputCloud(scene.points);
@@ -167,9 +153,7 @@ runNormals(const Scene& scene, const Setting& setting, Treated& treated)
   }
 }
 
-Error
-checkSetting(const Scene& scene, const Setting& s)
-{
+Error checkSetting(const Scene& scene, const Setting& s) {
   if (s.method == Method::kSlim && s.normals && scene.normals.empty()) {
     return {ErrorCode::kBadArgument, scene.name + " has no normals; fit it without them"};
   }
@@ -184,15 +168,11 @@ checkSetting(const Scene& scene, const Setting& s)
 
 }  // namespace
 
-std::string
-methodName(Method method)
-{
+std::string methodName(Method method) {
   return method == Method::kSlim ? "slim" : method == Method::kMls ? "mls" : "normals";
 }
 
-std::string
-Setting::text() const
-{
+std::string Setting::text() const {
   char part[64];
   if (method == Method::kNormals) return "k " + std::to_string(neighbours);
   if (method == Method::kMls) {
@@ -212,15 +192,11 @@ Setting::text() const
   return text;
 }
 
-std::string
-Setting::fullText() const
-{
+std::string Setting::fullText() const {
   return methodName(method) + " " + text() + (normals ? ", normals given" : "");
 }
 
-FitParams
-fitParams(const Setting& setting)
-{
+FitParams fitParams(const Setting& setting) {
   FitParams fit;
   fit.degree = unlessZero(setting.degree);
   fit.trim = false;  // as SLIMProjectionSmoother has it
@@ -234,9 +210,7 @@ fitParams(const Setting& setting)
   return fit;
 }
 
-Result<Treated>
-treat(const Scene& scene, const Setting& setting)
-{
+Result<Treated> treat(const Scene& scene, const Setting& setting) {
   if (Error error = checkSetting(scene, setting)) return error;
   Treated treated;
   if (setting.method == Method::kMls) {

@@ -28,8 +28,7 @@ struct Setting {
   int threads = 2;
 
   /** \brief Nothing is set but what comes with the cloud. */
-  bool automatic() const
-  {
+  bool automatic() const {
     return degree == 0 && penalty <= 0 && t_mdl <= 0 && !sharp && !robust && !compact && !data;
   }
   /** \brief "degree 4 kappa 3", "order 2 k 60"; without the method's name. */
@@ -39,12 +38,10 @@ struct Setting {
 };
 
 /** \brief Name of a method as in tables: slim, mls, normals. */
-std::string
-methodName(Method method);
+std::string methodName(Method method);
 
 /** \brief A SLIM setting as the fit takes it. */
-FitParams
-fitParams(const Setting& setting);
+FitParams fitParams(const Setting& setting);
 
 /** \brief What a method gives back, in the order of the input, and what it cost. */
 struct Treated {
@@ -62,7 +59,6 @@ struct Treated {
  * MLS's cached results and by a second projection with SLIM, outside the clock for both.
  * \return an error for a setting that the scene or the method does not allow.
  */
-Result<Treated>
-treat(const Scene& scene, const Setting& setting);
+Result<Treated> treat(const Scene& scene, const Setting& setting);
 
 }  // namespace pcl_slim::comparison

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a fit finds in a scan and in the same scan turned, moved, scaled, rounded, thinned, cropped and
-// merged: noise, correlation, leaves and smoothed points should be those of the scan.
+// What a fit finds in a scan and in the same scan turned, moved, scaled, rounded, thinned, cropped
+// and merged: noise, correlation, leaves and smoothed points should be those of the scan.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,8 +27,7 @@ struct Settings {
   bool outside = false;
   double correlation = 0;
 
-  FitParams params() const
-  {
+  FitParams params() const {
     FitParams params;
     params.threads = threads;
     if (correlation > 0) params.noise_correlation = correlation;
@@ -36,9 +35,7 @@ struct Settings {
   }
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("continuity_bench", "1",
                       "Compares fits of scans with fits of the same scans changed.");
   options.text("scan", &s.scans, "FILE,...", "scans, .pcd or .ply");
@@ -57,9 +54,7 @@ declareOptions(Settings& s)
 }
 
 /** RMS distance of a variant's smoothed points from the scan's, moved along [units of the scan]. */
-double
-moved(const SmoothedPoints& original, const Varied& varied, const SmoothedPoints& smoothed)
-{
+double moved(const SmoothedPoints& original, const Varied& varied, const SmoothedPoints& smoothed) {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < varied.source.size(); ++i) {
     const auto& q = original.points[varied.source[i]];
@@ -74,22 +69,16 @@ moved(const SmoothedPoints& original, const Varied& varied, const SmoothedPoints
 }
 
 /** 1 inside [low, high]; else the ratio to the nearer end. */
-double
-ratioTo(double value, double low, double high)
-{
+double ratioTo(double value, double low, double high) {
   return value / std::clamp(value, std::min(low, high), std::max(low, high));
 }
 
-bool
-isOff(double ratio, double tolerance)
-{
+bool isOff(double ratio, double tolerance) {
   return !(ratio < 1 + tolerance && ratio > 1 / (1 + tolerance));
 }
 
 /** "1.23", or "1.23 *" if it is off. */
-std::string
-marked(double value, bool off)
-{
+std::string marked(double value, bool off) {
   char text[32];
   std::snprintf(text, sizeof(text), off ? "%.3g *" : "%.3g", value);
   return text;
@@ -99,10 +88,8 @@ struct Tally {
   int rows = 0, outside = 0;
 };
 
-Error
-printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
-         const Variant& variant, Tally& tally)
-{
+Error printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
+               const Variant& variant, Tally& tally) {
   const Varied varied = variant.make(scan, original);
   if (varied.points.empty()) return {};
   std::optional<Eigen::Vector3d> sensor;
@@ -140,9 +127,7 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   return {};
 }
 
-Error
-printScan(const Settings& s, Scan scan, Tally& tally)
-{
+Error printScan(const Settings& s, Scan scan, Tally& tally) {
   const auto seed = static_cast<std::uint64_t>(s.seed);
   if (s.points > 0) continuity::reduce(static_cast<std::size_t>(s.points), seed, scan);
   const auto original = continuity::smooth(scan.points, scan.floats, scan.sensor, {}, s.params());
@@ -162,9 +147,7 @@ printScan(const Settings& s, Scan scan, Tally& tally)
   return {};
 }
 
-Result<std::vector<std::string>>
-scanFiles(const Settings& s)
-{
+Result<std::vector<std::string>> scanFiles(const Settings& s) {
   std::vector<std::string> files;
   std::istringstream list(s.scans);
   for (std::string file; std::getline(list, file, ',');) files.push_back(file);
@@ -179,16 +162,12 @@ scanFiles(const Settings& s)
   return files;
 }
 
-Error
-checkOptions(const OptionTable& options, const Settings&)
-{
+Error checkOptions(const OptionTable& options, const Settings&) {
   if (options.given("scan") || options.given("data") || options.given("sensors")) return {};
   return {ErrorCode::kBadArgument, "nothing to compare; give -scan, -data or -sensors"};
 }
 
-Error
-printAll(const Settings& s)
-{
+Error printAll(const Settings& s) {
   const auto files = scanFiles(s);
   if (!files) return files.error();
   Tally tally;
@@ -209,9 +188,7 @@ printAll(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, checkOptions,
                               printAll);
 }

@@ -14,9 +14,7 @@ namespace pcl_slim::continuity {
 
 namespace {
 
-void
-keep(const std::vector<std::size_t>& kept, Scan& scan)
-{
+void keep(const std::vector<std::size_t>& kept, Scan& scan) {
   Scan result = scan;
   result.points.clear();
   result.row.clear();
@@ -31,9 +29,7 @@ keep(const std::vector<std::size_t>& kept, Scan& scan)
 }
 
 /** The points inside the middle part of an image, this share of its width and height. */
-std::vector<std::size_t>
-window(const Scan& scan, double share)
-{
+std::vector<std::size_t> window(const Scan& scan, double share) {
   const auto inside = [share](std::uint32_t at, std::uint32_t last) {
     return std::abs(2.0 * at - last) <= share * last;
   };
@@ -46,9 +42,7 @@ window(const Scan& scan, double share)
   return kept;
 }
 
-Points
-pointsOf(const measure::SensorScan& scan)
-{
+Points pointsOf(const measure::SensorScan& scan) {
   Points points;
   for (std::size_t i = 0; i < scan.size(); ++i)
     points.push_back(Eigen::Map<const Eigen::Vector3f>(&scan.points[3 * i]).cast<double>());
@@ -57,17 +51,13 @@ pointsOf(const measure::SensorScan& scan)
 
 }  // namespace
 
-Eigen::AlignedBox3d
-Scan::box() const
-{
+Eigen::AlignedBox3d Scan::box() const {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : points) box.extend(p);
   return box;
 }
 
-Result<Scan>
-loadScan(const std::string& path)
-{
+Result<Scan> loadScan(const std::string& path) {
   const auto file = loadCloudFile(path);
   if (!file) return file.error();
   const CloudView view = file->view(false);
@@ -92,9 +82,7 @@ loadScan(const std::string& path)
   return scan;
 }
 
-std::vector<Scan>
-generatedScans(const std::string& part, std::uint64_t seed)
-{
+std::vector<Scan> generatedScans(const std::string& part, std::uint64_t seed) {
   std::vector<Scan> scans;
   for (const measure::SensorRow& row : measure::sensorRows(part)) {
     Scan scan;
@@ -108,9 +96,7 @@ generatedScans(const std::string& part, std::uint64_t seed)
   return scans;
 }
 
-void
-reduce(std::size_t most, std::uint64_t seed, Scan& scan)
-{
+void reduce(std::size_t most, std::uint64_t seed, Scan& scan) {
   if (scan.points.size() <= most) return;
   std::vector<std::size_t> kept;
   if (scan.row.empty()) {
@@ -129,10 +115,9 @@ reduce(std::size_t most, std::uint64_t seed, Scan& scan)
   keep(kept, scan);
 }
 
-Result<measure::SmoothedPoints>
-smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const PointOrigins& origins, const FitParams& params)
-{
+Result<measure::SmoothedPoints> smooth(const Points& points, bool floats,
+                                       const std::optional<Eigen::Vector3d>& sensor,
+                                       const PointOrigins& origins, const FitParams& params) {
   std::vector<Eigen::Vector3f> rounded;
   CloudView view;
   view.xyz = points.data();

@@ -26,17 +26,14 @@ struct Scan {
 };
 
 /** \brief Loads a .pcd or .ply file. */
-Result<Scan>
-loadScan(const std::string& path);
+Result<Scan> loadScan(const std::string& path);
 
 /** \brief Generated scans of sensor_bench whose names contain a text, of one seed. */
-std::vector<Scan>
-generatedScans(const std::string& part, std::uint64_t seed);
+std::vector<Scan> generatedScans(const std::string& part, std::uint64_t seed);
 
 /** \brief Keeps at most this many points: a window about the middle of an organized cloud, whose
  * errors keep their correlation; a random subset of any other. */
-void
-reduce(std::size_t most, std::uint64_t seed, Scan& scan);
+void reduce(std::size_t most, std::uint64_t seed, Scan& scan);
 
 /** \brief Where each point is from. */
 struct PointOrigins {
@@ -46,8 +43,8 @@ struct PointOrigins {
 
 /** \brief Fits points and projects them; rounds them to float first where asked for.
  * \param[in] sensor of all points, or none */
-Result<measure::SmoothedPoints>
-smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const PointOrigins& origins, const FitParams& params);
+Result<measure::SmoothedPoints> smooth(const Points& points, bool floats,
+                                       const std::optional<Eigen::Vector3d>& sensor,
+                                       const PointOrigins& origins, const FitParams& params);
 
 }  // namespace pcl_slim::continuity

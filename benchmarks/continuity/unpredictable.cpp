@@ -23,9 +23,7 @@ constexpr int kNeighbors[] = {8, 12, 16, 24, 36, 54, 80};
 constexpr int kDegrees = 3;
 
 /** Distance of the origin from the surface z(x, y) of a degree that fits these points best. */
-double
-offSurface(const Eigen::MatrixX3d& near, int degree)
-{
+double offSurface(const Eigen::MatrixX3d& near, int degree) {
   const Eigen::RowVector3d middle = near.colwise().mean();
   const Eigen::MatrixX3d about = near.rowwise() - middle;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(about.transpose() * about);
@@ -49,9 +47,7 @@ offSurface(const Eigen::MatrixX3d& near, int degree)
   return radius * std::abs(c[0]) / std::sqrt(1 + c[1] * c[1] + c[2] * c[2]);
 }
 
-std::vector<Vector3>
-distinctOf(const Points& points)
-{
+std::vector<Vector3> distinctOf(const Points& points) {
   std::vector<Vector3> distinct;
   for (const Eigen::Vector3d& p : points) distinct.push_back({p.x(), p.y(), p.z()});
   std::sort(distinct.begin(), distinct.end());
@@ -60,9 +56,8 @@ distinctOf(const Points& points)
 }
 
 /** The nearest points to a point but itself, relative to it, nearest first. */
-Eigen::MatrixX3d
-pointsAbout(const std::vector<Vector3>& points, const rivals::PointTree& tree, std::size_t i)
-{
+Eigen::MatrixX3d pointsAbout(const std::vector<Vector3>& points, const rivals::PointTree& tree,
+                             std::size_t i) {
   const auto nearest = tree.nearest(points[i], *std::rbegin(kNeighbors) + 1);
   Eigen::MatrixX3d about(static_cast<Eigen::Index>(nearest.size() - 1), 3);
   for (Eigen::Index k = 0; k < about.rows(); ++k) {
@@ -74,9 +69,7 @@ pointsAbout(const std::vector<Vector3>& points, const rivals::PointTree& tree, s
 
 }  // namespace
 
-double
-unpredictable(const Points& points, std::uint64_t seed)
-{
+double unpredictable(const Points& points, std::uint64_t seed) {
   const std::vector<Vector3> distinct = distinctOf(points);
   const rivals::PointTree tree(distinct);
   std::vector<std::size_t> all(distinct.size()), tried;

@@ -20,9 +20,8 @@ using measure::SmoothedPoints;
  * what a user has. */
 constexpr double kFarFromOrigin = 100;
 
-Varied
-mapped(const Scan& scan, const SmoothedPoints& smoothed, const Eigen::Affine3d& map, bool floats)
-{
+Varied mapped(const Scan& scan, const SmoothedPoints& smoothed, const Eigen::Affine3d& map,
+              bool floats) {
   Varied varied;
   varied.map = map;
   varied.scale = std::cbrt(std::abs(map.linear().determinant()));
@@ -34,17 +33,13 @@ mapped(const Scan& scan, const SmoothedPoints& smoothed, const Eigen::Affine3d& 
   return varied;
 }
 
-bool
-keepsFloats(const Scan& scan)
-{
+bool keepsFloats(const Scan& scan) {
   const Eigen::AlignedBox3d box = scan.box();
   return scan.floats && box.center().norm() < kFarFromOrigin * box.diagonal().norm();
 }
 
 /** A linear map about the middle of the scan's box. */
-Variant
-turned(const std::string& name, const Eigen::Matrix3d& linear)
-{
+Variant turned(const std::string& name, const Eigen::Matrix3d& linear) {
   return {name, [linear](const Scan& scan, const SmoothedPoints& smoothed) {
             const Eigen::Vector3d middle = scan.box().center();
             return mapped(scan, smoothed,
@@ -53,9 +48,7 @@ turned(const std::string& name, const Eigen::Matrix3d& linear)
           }};
 }
 
-Variant
-shifted(const std::string& name, double diagonals)
-{
+Variant shifted(const std::string& name, double diagonals) {
   return {name, [diagonals](const Scan& scan, const SmoothedPoints& smoothed) {
             const Eigen::Vector3d direction = Eigen::Vector3d(0.62, -0.53, 0.58).normalized();
             return mapped(scan, smoothed,
@@ -66,9 +59,7 @@ shifted(const std::string& name, double diagonals)
 }
 
 /** The scan about the origin in another precision. */
-Variant
-inPrecision(const std::string& name, bool floats)
-{
+Variant inPrecision(const std::string& name, bool floats) {
   return {name, [floats](const Scan& scan, const SmoothedPoints& smoothed) {
             return mapped(scan, smoothed,
                           Eigen::Affine3d(Eigen::Translation3d(-scan.box().center())), floats);
@@ -76,9 +67,7 @@ inPrecision(const std::string& name, bool floats)
 }
 
 /** Coordinates rounded to a tenth of their own step, else to 1e-4 of the points' spacing. */
-Varied
-rounded(const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied rounded(const Scan& scan, const SmoothedPoints& smoothed) {
   const Eigen::Vector3d size = scan.box().sizes();
   const double step = smoothed.fit.noise.step * size.norm();
   // A surface's area is about that of its box's largest side.
@@ -91,9 +80,7 @@ rounded(const Scan& scan, const SmoothedPoints& smoothed)
 }
 
 /** Signed distances of the points from the smoothed surface; NaN where there is none. */
-std::vector<double>
-residuals(const Scan& scan, const SmoothedPoints& smoothed)
-{
+std::vector<double> residuals(const Scan& scan, const SmoothedPoints& smoothed) {
   std::vector<double> result;
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     const Eigen::Map<const Eigen::Vector3d> q(smoothed.points[i].data());
@@ -103,9 +90,7 @@ residuals(const Scan& scan, const SmoothedPoints& smoothed)
   return result;
 }
 
-double
-medianSize(const std::vector<double>& values)
-{
+double medianSize(const std::vector<double>& values) {
   std::vector<double> sizes;
   for (const double v : values) {
     if (!std::isnan(v)) sizes.push_back(std::abs(v));
@@ -113,9 +98,7 @@ medianSize(const std::vector<double>& values)
   return sizes.empty() ? 0 : median(std::move(sizes));
 }
 
-double
-rms(const std::vector<double>& values)
-{
+double rms(const std::vector<double>& values) {
   double sum_sq = 0, finite = 0;
   for (const double v : values) {
     if (std::isnan(v)) continue;
@@ -127,9 +110,7 @@ rms(const std::vector<double>& values)
 
 /** Some of the points. */
 template <typename Keep>
-Varied
-part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep)
-{
+Varied part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep) {
   Varied varied;
   varied.floats = scan.floats;
   varied.leaves = static_cast<double>(smoothed.leaves.size());
@@ -143,12 +124,11 @@ part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep)
   return varied;
 }
 
-/** Fewer points, from which detail that was predictable may be no more. Errors that points share are predictable, too: then
- * sigma is to stay. */
+/** Fewer points, from which detail that was predictable may be no more. Errors that points share
+ * are predictable, too: then sigma is to stay. */
 template <typename Keep>
-Varied
-sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed, const Keep& keep)
-{
+Varied sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed,
+               const Keep& keep) {
   Varied varied = part(scan, smoothed, keep);
   constexpr double kWhite = 1.5;
   if (smoothed.fit.noise.correlation < kWhite)
@@ -156,9 +136,7 @@ sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed, co
   return varied;
 }
 
-Variant
-thinned(const std::string& name, double share, std::uint64_t seed)
-{
+Variant thinned(const std::string& name, double share, std::uint64_t seed) {
   return {name, [share, seed](const Scan& scan, const SmoothedPoints& smoothed) {
             std::mt19937_64 rng(seed);
             std::uniform_real_distribution<double> unit(0, 1);
@@ -167,9 +145,7 @@ thinned(const std::string& name, double share, std::uint64_t seed)
 }
 
 /** The same points in another order. */
-Variant
-shuffled(std::uint64_t seed)
-{
+Variant shuffled(std::uint64_t seed) {
   return {"shuffled", [seed](const Scan& scan, const SmoothedPoints& smoothed) {
             Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
             std::mt19937_64 rng(seed);
@@ -180,9 +156,7 @@ shuffled(std::uint64_t seed)
           }};
 }
 
-Variant
-everySecondRow(const std::string& name, std::uint32_t first, std::uint64_t seed)
-{
+Variant everySecondRow(const std::string& name, std::uint32_t first, std::uint64_t seed) {
   return {name, [first, seed](const Scan& scan, const SmoothedPoints& smoothed) {
             if (scan.row.empty()) return Varied{};
             return sparser(scan, smoothed, seed,
@@ -190,11 +164,10 @@ everySecondRow(const std::string& name, std::uint32_t first, std::uint64_t seed)
           }};
 }
 
-/** The half below the median along the box's longest edge, at the scan's own density. Its sigma is that of the
- * scan by the residuals there: their median and their RMS differ where the noise varies. */
-Varied
-cropped(const Scan& scan, const SmoothedPoints& smoothed)
-{
+/** The half below the median along the box's longest edge, at the scan's own density. Its sigma is
+ * that of the scan by the residuals there: their median and their RMS differ where the noise
+ * varies. */
+Varied cropped(const Scan& scan, const SmoothedPoints& smoothed) {
   Eigen::Index axis = 0;
   scan.box().sizes().maxCoeff(&axis);
   std::vector<double> along;
@@ -214,18 +187,15 @@ cropped(const Scan& scan, const SmoothedPoints& smoothed)
   return varied;
 }
 
-Eigen::Matrix3d
-tilt(double angle)
-{
+Eigen::Matrix3d tilt(double angle) {
   return Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 0.7, 0.3).normalized()).toRotationMatrix();
 }
 
-/** A second frame made of a scan's only one: every smoothed point with the residual of the point half a
- * patch further in the scan's order along its own normal, so that correlated errors stay correlated.
- * What the leaves follow of the noise is missing in residuals: they are made as large as sigma. */
-Points
-secondFrame(const Scan& scan, const SmoothedPoints& smoothed)
-{
+/** A second frame made of a scan's only one: every smoothed point with the residual of the point
+ * half a patch further in the scan's order along its own normal, so that correlated errors stay
+ * correlated. What the leaves follow of the noise is missing in residuals: they are made as large
+ * as sigma. */
+Points secondFrame(const Scan& scan, const SmoothedPoints& smoothed) {
   constexpr std::size_t kFurther = 997;
   const std::vector<double> all = residuals(scan, smoothed);
   const double missing = std::max(1.0, smoothed.sigma / rms(all));
@@ -240,17 +210,13 @@ secondFrame(const Scan& scan, const SmoothedPoints& smoothed)
 }
 
 /** Of a registered frame. */
-Eigen::Affine3d
-registration(const Scan& scan)
-{
+Eigen::Affine3d registration(const Scan& scan) {
   const Eigen::Vector3d middle = scan.box().center();
   return Eigen::Translation3d(middle) * tilt(0.001) * Eigen::Translation3d(-middle);
 }
 
 /** The scan and a second frame of the same surface that is moved. */
-Varied
-mergedBy(const Eigen::Affine3d& map, const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied mergedBy(const Eigen::Affine3d& map, const Scan& scan, const SmoothedPoints& smoothed) {
   Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
   for (const Eigen::Vector3d& p : scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
     varied.points.emplace_back(map * p);
@@ -259,31 +225,23 @@ mergedBy(const Eigen::Affine3d& map, const Scan& scan, const SmoothedPoints& smo
 }
 
 /** The scan and a second frame, registered with an error of .001 rad. */
-Varied
-merged(const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied merged(const Scan& scan, const SmoothedPoints& smoothed) {
   return mergedBy(registration(scan), scan, smoothed);
 }
 
 /** Gives the points of two frames their numbers. */
-Varied
-numbered(const Scan& scan, Varied varied)
-{
+Varied numbered(const Scan& scan, Varied varied) {
   varied.origins.frames.assign(scan.points.size(), 0);
   varied.origins.frames.resize(varied.points.size(), 1);
   return varied;
 }
 
-std::optional<Eigen::Vector3d>
-sensorOf(const Scan& scan)
-{
+std::optional<Eigen::Vector3d> sensorOf(const Scan& scan) {
   return scan.sensor ? scan.sensor : scan.camera;
 }
 
 /** The same, with the place that each frame was seen from. */
-Varied
-mergedWithSensors(const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied mergedWithSensors(const Scan& scan, const SmoothedPoints& smoothed) {
   const std::optional<Eigen::Vector3d> sensor = sensorOf(scan);
   if (!sensor) return {};
   Varied varied = merged(scan, smoothed);
@@ -293,16 +251,12 @@ mergedWithSensors(const Scan& scan, const SmoothedPoints& smoothed)
 }
 
 /** The same, with each point's frame and no sensor. */
-Varied
-mergedWithNumbers(const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied mergedWithNumbers(const Scan& scan, const SmoothedPoints& smoothed) {
   return numbered(scan, merged(scan, smoothed));
 }
 
 /** Two frames of a sensor that does not move. */
-Varied
-mergedOfOnePlace(const Scan& scan, const SmoothedPoints& smoothed)
-{
+Varied mergedOfOnePlace(const Scan& scan, const SmoothedPoints& smoothed) {
   Varied varied = numbered(scan, mergedBy(Eigen::Affine3d::Identity(), scan, smoothed));
   varied.sensor = sensorOf(scan);
   return varied;
@@ -310,9 +264,7 @@ mergedOfOnePlace(const Scan& scan, const SmoothedPoints& smoothed)
 
 }  // namespace
 
-std::vector<Variant>
-allVariants(std::uint64_t seed)
-{
+std::vector<Variant> allVariants(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss;
   const auto randomTurn = [&]() -> Eigen::Matrix3d {

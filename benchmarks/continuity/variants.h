@@ -30,7 +30,6 @@ struct Variant {
 };
 
 /** \brief Turns, moves and scales, other precision, fewer points, parts, and merged frames. */
-std::vector<Variant>
-allVariants(std::uint64_t seed);
+std::vector<Variant> allVariants(std::uint64_t seed);
 
 }  // namespace pcl_slim::continuity

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Curvature of implicit surfaces under noise, after the survey of CGF 45(2), 2026: errors of the default
-// beside those of methods that take a radius, each at its best one with hindsight.
+// Curvature of implicit surfaces under noise, after the survey of CGF 45(2), 2026: errors of the
+// default beside those of methods that take a radius, each at its best one with hindsight.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,10 +10,10 @@
 #include "common/run_program.h"
 #include "curvature/estimators.h"
 #include "fit/smoothed_points.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "rivals/jets.h"
 #include "rivals/point_tree.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -35,9 +35,7 @@ struct Settings {
   std::vector<double> noise_list, radius_list;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("curvature_bench", "1",
                       "Measures curvature of noisy implicit surfaces beside other estimators.");
   options.text("surfaces", &s.surfaces, "NAME,...", "surfaces; all nine if empty");
@@ -53,9 +51,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-Error
-finishOptions(const OptionTable&, Settings& s)
-{
+Error finishOptions(const OptionTable&, Settings& s) {
   return measure::parseLists({{"noise", &s.noise, 0, 1, false, &s.noise_list},
                               {"radii", &s.radii, 1e-6, 2, false, &s.radius_list}});
 }
@@ -73,9 +69,7 @@ struct Cloud {
   std::vector<std::size_t> measured;
 };
 
-Errors
-errorsOf(const Cloud& cloud, const std::vector<Differential>& found)
-{
+Errors errorsOf(const Cloud& cloud, const std::vector<Differential>& found) {
   Errors sums{};
   for (std::size_t m = 0; m < found.size(); ++m) {
     const Differential& truth = cloud.clean.truth[cloud.measured[m]];
@@ -91,9 +85,7 @@ errorsOf(const Cloud& cloud, const std::vector<Differential>& found)
   return sums;
 }
 
-Result<Errors>
-errorsOfOurs(const Settings& s, const Cloud& cloud, bool normals, bool as_data)
-{
+Result<Errors> errorsOfOurs(const Settings& s, const Cloud& cloud, bool normals, bool as_data) {
   CloudView view = measure::viewOf(cloud.points);
   std::vector<float> given;
   if (normals) {
@@ -117,9 +109,8 @@ errorsOfOurs(const Settings& s, const Cloud& cloud, bool normals, bool as_data)
 }
 
 /** Normals by PCA at every point. */
-std::vector<Vector3>
-pcaNormals(const Settings& s, const Cloud& cloud, const rivals::PointTree& tree, double radius)
-{
+std::vector<Vector3> pcaNormals(const Settings& s, const Cloud& cloud,
+                                const rivals::PointTree& tree, double radius) {
   std::vector<Vector3> normals(cloud.points.size());
   parallelFor(normals.size(), s.threads, 64, [&](std::size_t i, int) {
     std::vector<Vector3> near;
@@ -130,10 +121,9 @@ pcaNormals(const Settings& s, const Cloud& cloud, const rivals::PointTree& tree,
   return normals;
 }
 
-curvature::Neighborhood
-neighborhoodOf(const Cloud& cloud, const std::vector<Vector3>& normals,
-               const rivals::PointTree& tree, std::size_t i, double radius)
-{
+curvature::Neighborhood neighborhoodOf(const Cloud& cloud, const std::vector<Vector3>& normals,
+                                       const rivals::PointTree& tree, std::size_t i,
+                                       double radius) {
   std::vector<std::size_t> indices = tree.within(cloud.points[i], radius);
   curvature::Neighborhood near;
   near.radius = radius;
@@ -149,9 +139,7 @@ neighborhoodOf(const Cloud& cloud, const std::vector<Vector3>& normals,
 }
 
 /** The estimators over their radii; least errors of each kind. */
-void
-addRivals(const Settings& s, const Cloud& cloud, bool normals, Table& table)
-{
+void addRivals(const Settings& s, const Cloud& cloud, bool normals, Table& table) {
   const rivals::PointTree tree(cloud.points);
   for (const double radius : s.radius_list) {
     const std::vector<Vector3> used = normals ? cloud.normals : pcaNormals(s, cloud, tree, radius);
@@ -170,9 +158,7 @@ addRivals(const Settings& s, const Cloud& cloud, bool normals, Table& table)
 
 enum class Given { kNone, kExact, kNoisy };
 
-Cloud
-makeCloud(const Settings& s, const SurfaceSample& clean, double noise, Given given)
-{
+Cloud makeCloud(const Settings& s, const SurfaceSample& clean, double noise, Given given) {
   std::mt19937_64 rng(static_cast<std::uint64_t>(s.seed) + 1000);
   std::normal_distribution<double> gauss;
   Cloud cloud;
@@ -191,10 +177,8 @@ makeCloud(const Settings& s, const SurfaceSample& clean, double noise, Given giv
   return cloud;
 }
 
-Error
-measureSurface(const Settings& s, const SurfaceSample& clean, double noise, Given given,
-               Table& table)
-{
+Error measureSurface(const Settings& s, const SurfaceSample& clean, double noise, Given given,
+                     Table& table) {
   const Cloud cloud = makeCloud(s, clean, noise, given);
   const bool normals = given != Given::kNone;
   for (const bool as_data : {false, true}) {
@@ -213,9 +197,7 @@ measureSurface(const Settings& s, const SurfaceSample& clean, double noise, Give
   return {};
 }
 
-void
-printTable(const std::string& title, const Table& table)
-{
+void printTable(const std::string& title, const Table& table) {
   std::printf(
       "\n%s\n\n| method | H | K | k1 | normal, degrees | ours / it: H | K | k1 | normal |\n"
       "|---|---|---|---|---|---|---|---|---|\n",
@@ -231,9 +213,7 @@ printTable(const std::string& title, const Table& table)
 }
 
 /** Geometric means over surfaces. */
-Table
-meanOf(const std::vector<Table>& tables)
-{
+Table meanOf(const std::vector<Table>& tables) {
   Table mean;
   for (const auto& [name, first] : tables.front()) {
     Errors logs{};
@@ -246,9 +226,7 @@ meanOf(const std::vector<Table>& tables)
   return mean;
 }
 
-Result<std::vector<curvature::ImplicitSurface>>
-chosenSurfaces(const Settings& s)
-{
+Result<std::vector<curvature::ImplicitSurface>> chosenSurfaces(const Settings& s) {
   if (s.surfaces.empty()) return curvature::implicitSurfaces();
   std::vector<curvature::ImplicitSurface> chosen;
   std::istringstream list(s.surfaces);
@@ -263,9 +241,7 @@ chosenSurfaces(const Settings& s)
   return chosen;
 }
 
-Error
-measureAll(const Settings& s)
-{
+Error measureAll(const Settings& s) {
   const auto surfaces = chosenSurfaces(s);
   if (!surfaces) return surfaces.error();
   if (!rivals::hasJets()) std::printf("Without jets: CGAL is not installed.\n\n");
@@ -295,9 +271,7 @@ measureAll(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, finishOptions,
                               measureAll);
 }

@@ -14,29 +14,21 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-Point
-pointOf(const Vector3& v)
-{
+Point pointOf(const Vector3& v) {
   return {v[0], v[1], v[2]};
 }
 
-Vector3
-vectorOf(const Point& p)
-{
+Vector3 vectorOf(const Point& p) {
   return {p[0], p[1], p[2]};
 }
 
-double
-weightAt(const Point& offset, double radius)
-{
+double weightAt(const Point& offset, double radius) {
   const double t = 1 - offset.squaredNorm() / (radius * radius);
   return t > 0 ? t * t : 0;
 }
 
 /** Axes of the weighted covariance about the first point's neighbourhood, the normal last. */
-Eigen::Matrix3d
-pcaFrame(const std::vector<Vector3>& points, double radius)
-{
+Eigen::Matrix3d pcaFrame(const std::vector<Vector3>& points, double radius) {
   Point sum = Point::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   double total = 0;
@@ -54,9 +46,7 @@ pcaFrame(const std::vector<Vector3>& points, double radius)
   return frame;
 }
 
-Differential
-quadric(const Neighborhood& near)
-{
+Differential quadric(const Neighborhood& near) {
   const Eigen::Matrix3d frame = pcaFrame(near.points, near.radius);
   const auto count = static_cast<Eigen::Index>(near.points.size());
   Eigen::MatrixXd rows(count, 6);
@@ -76,9 +66,7 @@ quadric(const Neighborhood& near)
   return {vectorOf(normal), mean, (4 * c[3] * c[5] - c[4] * c[4]) / (root * root)};
 }
 
-Estimator
-jets(std::size_t degree)
-{
+Estimator jets(std::size_t degree) {
   return {"jets " + std::to_string(degree), false, [degree](const Neighborhood& near) {
             const rivals::Monge monge = rivals::mongeByJets(near.points, degree);
             return Differential{monge.normal, -(monge.k1 + monge.k2) / 2, monge.k1 * monge.k2};
@@ -86,9 +74,7 @@ jets(std::size_t degree)
 }
 
 /** Normals as linear functions over the tangent plane of their mean. */
-Differential
-normalSlopes(const Neighborhood& near)
-{
+Differential normalSlopes(const Neighborhood& near) {
   Point mean = Point::Zero();
   for (std::size_t i = 0; i < near.points.size(); ++i) {
     mean += weightAt(pointOf(near.points[i]) - pointOf(near.points[0]), near.radius) *
@@ -111,9 +97,7 @@ normalSlopes(const Neighborhood& near)
 }
 
 /** Ratios of the measures that random triangles of neighbours have. */
-Differential
-correctedCurrents(const Neighborhood& near)
-{
+Differential correctedCurrents(const Neighborhood& near) {
   constexpr int kTriangles = 200;
   std::mt19937_64 rng(near.points.size());
   std::uniform_int_distribution<std::size_t> any(0, near.points.size() - 1);
@@ -141,9 +125,7 @@ correctedCurrents(const Neighborhood& near)
 }
 
 /** Unit gradient, at a place, of the algebraic sphere fitted to points and normals about it. */
-Point
-sphereNormal(const Neighborhood& near, const Point& at, double& value)
-{
+Point sphereNormal(const Neighborhood& near, const Point& at, double& value) {
   double w_sum = 0, pn = 0, pp = 0;
   Point p_sum = Point::Zero(), n_sum = Point::Zero();
   for (std::size_t i = 0; i < near.points.size(); ++i) {
@@ -161,9 +143,7 @@ sphereNormal(const Neighborhood& near, const Point& at, double& value)
   return linear.normalized();
 }
 
-Differential
-algebraicShape(const Neighborhood& near)
-{
+Differential algebraicShape(const Neighborhood& near) {
   constexpr int kProjections = 5;
   constexpr double kStep = 0.02;  // [radii]
   Point at = pointOf(near.points[0]);
@@ -188,15 +168,11 @@ algebraicShape(const Neighborhood& near)
 
 }  // namespace
 
-Vector3
-pcaNormal(const std::vector<Vector3>& points, double radius)
-{
+Vector3 pcaNormal(const std::vector<Vector3>& points, double radius) {
   return vectorOf(pcaFrame(points, radius).col(2));
 }
 
-std::vector<Estimator>
-allEstimators()
-{
+std::vector<Estimator> allEstimators() {
   std::vector<Estimator> all = {{"quadric", false, quadric}};
   if (rivals::hasJets()) {
     all.push_back(jets(2));

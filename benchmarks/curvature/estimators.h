@@ -18,7 +18,8 @@ struct Neighborhood {
   double radius = 0;
 };
 
-/** \brief A method; those that need normals are given those of the cloud, or PCA's of the same radius. */
+/** \brief A method; those that need normals are given those of the cloud, or PCA's of the same
+ * radius. */
 struct Estimator {
   std::string name;
   bool needs_normals = false;
@@ -26,13 +27,11 @@ struct Estimator {
 };
 
 /** \brief PCA's normal. */
-Vector3
-pcaNormal(const std::vector<Vector3>& points, double radius);
+Vector3 pcaNormal(const std::vector<Vector3>& points, double radius);
 
-/** \brief Quadric in PCA's frame; CGAL's jets of degree 2 and 4; shape operator of the normals' slopes;
- * corrected normal currents (Lachaud et al. 2023) over random triangles; algebraic shape operator
- * (Lejemble et al. 2021): derivative of the normals of fitted spheres. */
-std::vector<Estimator>
-allEstimators();
+/** \brief Quadric in PCA's frame; CGAL's jets of degree 2 and 4; shape operator of the normals'
+ * slopes; corrected normal currents (Lachaud et al. 2023) over random triangles; algebraic shape
+ * operator (Lejemble et al. 2021): derivative of the normals of fitted spheres. */
+std::vector<Estimator> allEstimators();
 
 }  // namespace pcl_slim::curvature

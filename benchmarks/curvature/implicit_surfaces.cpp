@@ -10,60 +10,42 @@ namespace {
 
 using measure::Jet;
 
-Jet
-square(const Jet& a)
-{
+Jet square(const Jet& a) {
   return a * a;
 }
 
-Jet
-gaussian(const Jet& distance_sq, double width)
-{
+Jet gaussian(const Jet& distance_sq, double width) {
   const double s = -1 / (width * width), e = std::exp(s * distance_sq.value);
   return measure::applied(distance_sq, e, s * e, s * s * e);
 }
 
-Jet
-sphere(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet sphere(const Jet& x, const Jet& y, const Jet& z) {
   return square(x) + square(y) + square(z) - 0.81;
 }
 
-Jet
-ellipsoid(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet ellipsoid(const Jet& x, const Jet& y, const Jet& z) {
   return square(x * (1 / 0.95)) + square(y * (1 / 0.7)) + square(z * 2) - 1;
 }
 
-Jet
-torus(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet torus(const Jet& x, const Jet& y, const Jet& z) {
   return square(sqrt(square(x) + square(y)) - 0.65) + square(z) - 0.09;
 }
 
-Jet
-cylinder(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet cylinder(const Jet& x, const Jet& y, const Jet& z) {
   const Jet radial = (square(x) + square(y)) * (1 / 0.36);
   return square(square(radial)) + square(square(square(z * (1 / 0.9)))) - 1;
 }
 
-Jet
-goursat(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet goursat(const Jet& x, const Jet& y, const Jet& z) {
   return 3 * (square(square(x)) + square(square(y)) + square(square(z))) -
          2 * (square(x) + square(y) + square(z)) - 0.08;
 }
 
-Jet
-genus2(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet genus2(const Jet& x, const Jet& y, const Jet& z) {
   return square(square(square(x)) - square(x) + square(y)) + square(z) - 0.03;
 }
 
-Jet
-tangle(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet tangle(const Jet& x, const Jet& y, const Jet& z) {
   Jet sum(11.8);
   for (const Jet& a : {x, y, z}) {
     const Jet b = square(2.4 * a);
@@ -72,9 +54,7 @@ tangle(const Jet& x, const Jet& y, const Jet& z)
   return sum;
 }
 
-Jet
-blobs(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet blobs(const Jet& x, const Jet& y, const Jet& z) {
   constexpr double kCentres[][3] = {
       {0, 0, 0}, {0.5, 0.2, 0}, {-0.4, 0.3, 0.2}, {0, -0.5, -0.2}, {-0.1, 0.1, 0.6}};
   Jet sum(0.5);
@@ -84,23 +64,17 @@ blobs(const Jet& x, const Jet& y, const Jet& z)
   return sum;
 }
 
-Jet
-bumpy(const Jet& x, const Jet& y, const Jet& z)
-{
+Jet bumpy(const Jet& x, const Jet& y, const Jet& z) {
   return sqrt(square(x) + square(y) + square(z)) - 0.8 -
          0.06 * sin(7 * x) * sin(7 * y) * cos(7 * z);
 }
 
-Jet
-valueAt(const ImplicitSurface& surface, const Vector3& p)
-{
+Jet valueAt(const ImplicitSurface& surface, const Vector3& p) {
   return surface.value(Jet::variable(p[0], 0), Jet::variable(p[1], 1), Jet::variable(p[2], 2));
 }
 
 /** Of the level set through a point: from the Hessian's trace and the adjugate's form. */
-Differential
-differentialOf(const Jet& f)
-{
+Differential differentialOf(const Jet& f) {
   const Vector3& g = f.g;
   const auto& h = f.h;  // xx xy xz yy yz zz
   const double norm = length(g), norm_sq = norm * norm;
@@ -117,9 +91,7 @@ differentialOf(const Jet& f)
 
 }  // namespace
 
-const std::vector<ImplicitSurface>&
-implicitSurfaces()
-{
+const std::vector<ImplicitSurface>& implicitSurfaces() {
   static const std::vector<ImplicitSurface> kSurfaces = {
       {"sphere", sphere},     {"ellipsoid", ellipsoid}, {"torus", torus},
       {"cylinder", cylinder}, {"goursat", goursat},     {"genus2", genus2},
@@ -127,15 +99,11 @@ implicitSurfaces()
   return kSurfaces;
 }
 
-double
-Differential::k1() const
-{
+double Differential::k1() const {
   return mean + std::sqrt(std::max(0.0, mean * mean - gaussian));
 }
 
-SurfaceSample
-sampleSurface(const ImplicitSurface& surface, std::size_t count, std::uint64_t seed)
-{
+SurfaceSample sampleSurface(const ImplicitSurface& surface, std::size_t count, std::uint64_t seed) {
   // A shell of equal thickness on both sides has the same volume over equal areas.
   constexpr double kShell = 0.01, kReach = 1.2;
   constexpr int kSteps = 6;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "support/lab/line_truth.h"
 #include "pcl_slim/core/vector3.h"
+#include "support/lab/line_truth.h"
 
 namespace pcl_slim::curvature {
 
@@ -16,10 +16,9 @@ struct ImplicitSurface {
   measure::Jet (*value)(const measure::Jet& x, const measure::Jet& y, const measure::Jet& z);
 };
 
-/** \brief sphere, ellipsoid, torus, cylinder (rounded), goursat, genus2, tangle (genus 5), blobs and
- * bumpy: of the kinds that the survey of CGF 45(2), 2026, measures on. */
-const std::vector<ImplicitSurface>&
-implicitSurfaces();
+/** \brief sphere, ellipsoid, torus, cylinder (rounded), goursat, genus2, tangle (genus 5), blobs
+ * and bumpy: of the kinds that the survey of CGF 45(2), 2026, measures on. */
+const std::vector<ImplicitSurface>& implicitSurfaces();
 
 /** \brief Outward normal, mean and Gaussian curvature of a surface; a sphere's mean is 1 / R. */
 struct Differential {
@@ -36,7 +35,6 @@ struct SurfaceSample {
   std::vector<Differential> truth;
 };
 
-SurfaceSample
-sampleSurface(const ImplicitSurface& surface, std::size_t count, std::uint64_t seed);
+SurfaceSample sampleSurface(const ImplicitSurface& surface, std::size_t count, std::uint64_t seed);
 
 }  // namespace pcl_slim::curvature

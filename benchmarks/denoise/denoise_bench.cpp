@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public denoising protocol on meshes with thin parts: squared errors of the default beside those of
-// pcl::MovingLeastSquares and of CGAL's jets, each at its best size with hindsight.
+// The public denoising protocol on meshes with thin parts: squared errors of the default beside
+// those of pcl::MovingLeastSquares and of CGAL's jets, each at its best size with hindsight.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,10 +11,10 @@
 #include "common/run_program.h"
 #include "denoise/mesh_scan.h"
 #include "fit/smoothed_points.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/file_access.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -32,9 +32,7 @@ struct Settings {
   std::vector<double> point_list, noise_list, neighbor_list;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("denoise_bench", "1",
                       "Measures denoising of points of meshes beside MLS and CGAL's jets.");
   options.positional("FOLDER", &s.data, "folder of meshes, .ply with faces");
@@ -54,9 +52,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-Error
-finishOptions(const OptionTable&, Settings& s)
-{
+Error finishOptions(const OptionTable&, Settings& s) {
   if (s.jets) {
     if (Error error = rivals::requireJets("-jets 0")) return error;
   }
@@ -71,11 +67,10 @@ struct Outcome {
   double seconds = 0, size = 0;
 };
 
-/** Least errors of each kind over a method's sizes; size and seconds are those of the least mesh error. */
+/** Least errors of each kind over a method's sizes; size and seconds are those of the least mesh
+ * error. */
 template <typename Run>
-Outcome
-bestOf(const MeshScan& scan, const std::vector<double>& sizes, const Run& run)
-{
+Outcome bestOf(const MeshScan& scan, const std::vector<double>& sizes, const Run& run) {
   Outcome best;
   best.errors.chamfer = best.errors.mesh = 1e300;
   for (const double size : sizes) {
@@ -96,9 +91,8 @@ struct Row {
   double sigma_ratio = 0;
 };
 
-Error
-addOurs(const Settings& s, const MeshScan& scan, const Points& points, double noise, Row& row)
-{
+Error addOurs(const Settings& s, const MeshScan& scan, const Points& points, double noise,
+              Row& row) {
   const double diagonal = [&] {
     Vector3 low = points.front(), high = low;
     for (const Vector3& p : points) {
@@ -131,9 +125,7 @@ addOurs(const Settings& s, const MeshScan& scan, const Points& points, double no
   return {};
 }
 
-Error
-savePoints(const Settings& s, const MeshScan& scan, double noise, const Points& points)
-{
+Error savePoints(const Settings& s, const MeshScan& scan, double noise, const Points& points) {
   char line[128];
   std::snprintf(line, sizeof(line), "_%zu_%g.xyz", points.size(), noise);
   const std::string path = s.save + "/" + scan.name + line;
@@ -145,9 +137,7 @@ savePoints(const Settings& s, const MeshScan& scan, double noise, const Points& 
   return writeFile(path, text.data(), text.size());
 }
 
-Result<Row>
-measureRow(const Settings& s, const MeshScan& scan, double noise)
-{
+Result<Row> measureRow(const Settings& s, const MeshScan& scan, double noise) {
   const Points points =
       denoise::noisy(scan.points, noise, static_cast<std::uint64_t>(s.seed) + 1000);
   if (!s.save.empty()) {
@@ -171,9 +161,7 @@ measureRow(const Settings& s, const MeshScan& scan, double noise)
 }
 
 /** Columns in the order they are printed. */
-std::vector<std::string>
-columnsOf(const Settings& s)
-{
+std::vector<std::string> columnsOf(const Settings& s) {
   std::vector<std::string> columns = {"default"};
   if (s.bounds) columns.insert(columns.end(), {"true noise", "true normals"});
   if (s.jets) columns.emplace_back("jets");
@@ -182,9 +170,7 @@ columnsOf(const Settings& s)
   return columns;
 }
 
-void
-printHeader(const Settings& s)
-{
+void printHeader(const Settings& s) {
   std::printf("Squared errors x 1e4: CD / P2M (size) CPU s\n\n| mesh | points | noise |");
   for (const std::string& column : columnsOf(s)) std::printf(" %s |", column.c_str());
   std::printf(" P2M / best rival's | noise found / true |\n|---|---|---|");
@@ -192,9 +178,8 @@ printHeader(const Settings& s)
   std::printf("---|---|\n");
 }
 
-void
-printRow(const Settings& s, const std::string& mesh, double points, double noise, const Row& row)
-{
+void printRow(const Settings& s, const std::string& mesh, double points, double noise,
+              const Row& row) {
   std::printf("| %s | %g | %g |", mesh.c_str(), points, noise);
   double best = 1e300;
   for (const std::string& column : columnsOf(s)) {
@@ -212,9 +197,7 @@ printRow(const Settings& s, const std::string& mesh, double points, double noise
 }
 
 /** Mean errors over meshes; a rival's size is free for each. */
-Row
-meanOf(const std::vector<Row>& rows)
-{
+Row meanOf(const std::vector<Row>& rows) {
   Row mean;
   const double share = 1 / static_cast<double>(rows.size());
   for (const Row& row : rows) {
@@ -229,9 +212,7 @@ meanOf(const std::vector<Row>& rows)
   return mean;
 }
 
-Result<std::vector<std::string>>
-meshFiles(const Settings& s)
-{
+Result<std::vector<std::string>> meshFiles(const Settings& s) {
   std::vector<std::string> files;
   std::istringstream list(s.meshes);
   for (std::string name; std::getline(list, name, ',');)
@@ -246,9 +227,7 @@ meshFiles(const Settings& s)
   return files;
 }
 
-Error
-printTable(const Settings& s)
-{
+Error printTable(const Settings& s) {
   const auto files = meshFiles(s);
   if (!files) return files.error();
   printHeader(s);
@@ -272,9 +251,7 @@ printTable(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, finishOptions,
                               printTable);
 }

@@ -22,9 +22,7 @@ constexpr std::size_t kOversampling = 5;
 constexpr double kUnit = 1e4;  ///< of errors as they are printed
 
 /** Splits faces into triangles. */
-std::vector<MeshSurface::Triangle>
-trianglesOf(const MeshFaces& faces)
-{
+std::vector<MeshSurface::Triangle> trianglesOf(const MeshFaces& faces) {
   std::vector<MeshSurface::Triangle> triangles;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const IndexRow corners = faces[f];
@@ -36,9 +34,7 @@ trianglesOf(const MeshFaces& faces)
 }
 
 /** Draws uniform points of the triangles, with normals; sets the area. */
-void
-drawUniformly(std::size_t count, std::mt19937_64& rng, MeshScan& scan)
-{
+void drawUniformly(std::size_t count, std::mt19937_64& rng, MeshScan& scan) {
   std::vector<double> areas;
   Points normals;
   for (const auto& t : scan.triangles) {
@@ -62,9 +58,7 @@ drawUniformly(std::size_t count, std::mt19937_64& rng, MeshScan& scan)
 }
 
 /** The points that weighted sample elimination keeps, ascending. */
-std::vector<std::size_t>
-eliminated(const MeshScan& scan, std::size_t keep)
-{
+std::vector<std::size_t> eliminated(const MeshScan& scan, std::size_t keep) {
   constexpr double kAlpha = 8, kBeta = 0.65, kGamma = 1.5;
   const std::size_t count = scan.points.size();
   const double share = static_cast<double>(keep) / static_cast<double>(count);
@@ -103,9 +97,7 @@ eliminated(const MeshScan& scan, std::size_t keep)
   return indices;
 }
 
-void
-scaleToUnitSphere(MeshScan& scan)
-{
+void scaleToUnitSphere(MeshScan& scan) {
   Vector3 low = scan.points.front(), high = low;
   for (const Vector3& p : scan.points) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -123,9 +115,7 @@ scaleToUnitSphere(MeshScan& scan)
 }
 
 /** Mean squared distance from points to the nearest of others. */
-double
-meanToNearest(const Points& from, const Points& to, const PointTree& tree)
-{
+double meanToNearest(const Points& from, const Points& to, const PointTree& tree) {
   double sum = 0;
   for (const Vector3& p : from) {
     const Vector3 off = subtract(p, to[tree.nearest(p, 1).front()]);
@@ -135,9 +125,7 @@ meanToNearest(const Points& from, const Points& to, const PointTree& tree)
 }
 
 /** Mean over triangles of the squared distance to their nearest point. */
-double
-meanFromTriangles(const MeshScan& scan, const Points& points, const PointTree& tree)
-{
+double meanFromTriangles(const MeshScan& scan, const Points& points, const PointTree& tree) {
   double sum = 0;
   for (const auto& t : scan.triangles) {
     const Points corners = {scan.vertices[t[0]], scan.vertices[t[1]], scan.vertices[t[2]]};
@@ -156,9 +144,7 @@ meanFromTriangles(const MeshScan& scan, const Points& points, const PointTree& t
 
 }  // namespace
 
-Result<MeshScan>
-loadMeshScan(const std::string& path, std::size_t points, std::uint64_t seed)
-{
+Result<MeshScan> loadMeshScan(const std::string& path, std::size_t points, std::uint64_t seed) {
   auto mesh = mesh_bench::loadMesh(path);
   if (!mesh) return mesh.error();
   MeshScan dense;
@@ -178,9 +164,7 @@ loadMeshScan(const std::string& path, std::size_t points, std::uint64_t seed)
   return scan;
 }
 
-Points
-noisy(const Points& points, double sigma, std::uint64_t seed)
-{
+Points noisy(const Points& points, double sigma, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss(0, sigma);
   Points result = points;
@@ -190,9 +174,7 @@ noisy(const Points& points, double sigma, std::uint64_t seed)
   return result;
 }
 
-Errors
-errorsOf(const MeshScan& scan, const Points& points)
-{
+Errors errorsOf(const MeshScan& scan, const Points& points) {
   Points moved;
   for (const Vector3& p : points) {
     if (std::isfinite(p[0] + p[1] + p[2])) moved.push_back(p);

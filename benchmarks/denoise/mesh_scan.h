@@ -26,12 +26,10 @@ struct MeshScan {
 
 /** \brief Loads a mesh and draws points: five times as many uniformly, reduced by weighted sample
  * elimination (Yuksel 2015) to a Poisson disc set. */
-Result<MeshScan>
-loadMeshScan(const std::string& path, std::size_t points, std::uint64_t seed);
+Result<MeshScan> loadMeshScan(const std::string& path, std::size_t points, std::uint64_t seed);
 
 /** \brief Adds white noise to points. */
-Points
-noisy(const Points& points, double sigma, std::uint64_t seed);
+Points noisy(const Points& points, double sigma, std::uint64_t seed);
 
 /** \brief Squared distances times 1e4, each the sum of the means of both directions. */
 struct Errors {
@@ -41,7 +39,6 @@ struct Errors {
 };
 
 /** \brief Measures moved points; those with NaN are left out. */
-Errors
-errorsOf(const MeshScan& scan, const Points& points);
+Errors errorsOf(const MeshScan& scan, const Points& points);
 
 }  // namespace pcl_slim::denoise

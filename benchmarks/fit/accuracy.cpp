@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/query/projection.h"
 #include "support/lab/bench.h"
 #include "support/lab/scenes.h"
-#include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::measure {
 
@@ -16,9 +16,8 @@ constexpr double kDegreesPerRadian = 57.29577951308232;
 
 /** Angle in radians between two directions regardless of sign; sound for the smallest angles.
  * \param[out] same_side whether they point to one side. */
-double
-angleBetween(const std::array<float, 3>& n, const std::array<double, 3>& truth, bool& same_side)
-{
+double angleBetween(const std::array<float, 3>& n, const std::array<double, 3>& truth,
+                    bool& same_side) {
   double cross_sq = 0, dot = 0;
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -30,9 +29,7 @@ angleBetween(const std::array<float, 3>& n, const std::array<double, 3>& truth, 
   return std::atan2(std::sqrt(cross_sq), std::abs(dot));
 }
 
-Accuracy
-compare(Shape shape, const PointStore& store, const Projection& projection)
-{
+Accuracy compare(Shape shape, const PointStore& store, const Projection& projection) {
   Accuracy e;
   double curvature_sq = 0;
   std::size_t count = 0;
@@ -59,10 +56,8 @@ compare(Shape shape, const PointStore& store, const Projection& projection)
 
 }  // namespace
 
-Result<Outcome>
-measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool normals,
-                bool float_input, const Fitter& fitter)
-{
+Result<Outcome> measureAccuracy(Shape shape, const Scene& scene, const FitParams& params,
+                                bool normals, bool float_input, const Fitter& fitter) {
   std::vector<float> floats;
   if (float_input) floats.assign(scene.points.begin(), scene.points.end());
   const CloudView view = viewOf(scene, float_input ? &floats : nullptr, normals);

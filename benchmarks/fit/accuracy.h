@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::measure {
 
@@ -33,8 +33,7 @@ using Fitter =
 /** \brief Fits a scene and projects its points.
  * \param[in] float_input round the coordinates to float first, as a file of floats does.
  * \param[in] fitter the fit that is measured; empty: fitSurface(). */
-Result<Outcome>
-measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool normals,
-                bool float_input, const Fitter& fitter = {});
+Result<Outcome> measureAccuracy(Shape shape, const Scene& scene, const FitParams& params,
+                                bool normals, bool float_input, const Fitter& fitter = {});
 
 }  // namespace pcl_slim::measure

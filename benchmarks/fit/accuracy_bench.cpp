@@ -35,9 +35,7 @@ struct Row {
   const measure::Scene* scene = nullptr;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("accuracy_bench", "1", "Measures fits against exact surfaces.");
   options.text("shape", &s.shape, "NAME,...", "sphere, torus, bumpy, relief");
   options.text("points", &s.points, "N,...", "sizes of the cloud");
@@ -63,9 +61,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-Error
-finishOptions(const OptionTable& options, Settings& s)
-{
+Error finishOptions(const OptionTable& options, Settings& s) {
   if (s.convergence) {
     if (!options.given("shape")) s.shape = "bumpy,torus";
     if (!options.given("points")) s.points = "12500,50000,200000";
@@ -82,9 +78,7 @@ finishOptions(const OptionTable& options, Settings& s)
                               {"noise", &s.noise, 0, 1, false, &s.noise_list}});
 }
 
-Result<measure::Outcome>
-measure(const Settings& s, const Row& row, int degree)
-{
+Result<measure::Outcome> measure(const Settings& s, const Row& row, int degree) {
   FitParams params;
   params.trim = false;
   params.degree = degree;
@@ -99,18 +93,14 @@ measure(const Settings& s, const Row& row, int degree)
 }
 
 /** T or "default". */
-std::string
-penaltyName(double t_mdl)
-{
+std::string penaltyName(double t_mdl) {
   char text[32] = "default";
   if (t_mdl > 0) std::snprintf(text, sizeof(text), "%g", t_mdl);
   return text;
 }
 
 /** Everything about one fit a row. */
-Error
-printDetails(const Settings& s, const Row& row)
-{
+Error printDetails(const Settings& s, const Row& row) {
   for (double degree : s.degree_list) {
     const auto outcome = measure(s, row, static_cast<int>(degree));
     if (!outcome) return outcome.error();
@@ -132,9 +122,7 @@ printDetails(const Settings& s, const Row& row)
 }
 
 /** One column a degree: position, normal, curvature. */
-Error
-printByDegree(const Settings& s, const Row& row)
-{
+Error printByDegree(const Settings& s, const Row& row) {
   std::uint64_t unsupported = 0;
   std::printf("| %s | %g | %s | %s |", row.name.c_str(), row.noise, penaltyName(row.t_mdl).c_str(),
               row.normals ? "given" : "none");
@@ -150,9 +138,7 @@ printByDegree(const Settings& s, const Row& row)
   return {};
 }
 
-void
-printHeader(const Settings& s)
-{
+void printHeader(const Settings& s) {
   if (!s.by_degree) {
     std::puts(
         "| shape | noise | T | degree | normals | RMS position | of L | normal ° | H relative "
@@ -169,9 +155,7 @@ printHeader(const Settings& s)
 }
 
 /** Calls work(row) for every shape under every noise. */
-Error
-forEachShape(const Settings& s, const std::function<Error(const Row&)>& work)
-{
+Error forEachShape(const Settings& s, const std::function<Error(const Row&)>& work) {
   Row row;
   for (const std::string& name : s.shape_list) {
     row.name = name;
@@ -186,9 +170,7 @@ forEachShape(const Settings& s, const std::function<Error(const Row&)>& work)
 
 /** Calls print(row) for one scene fitted every way asked for. */
 template <typename Print>
-Error
-forEachFit(const Settings& s, Row row, double points, const Print& print)
-{
+Error forEachFit(const Settings& s, Row row, double points, const Print& print) {
   const auto count = static_cast<std::size_t>(points);
   const measure::Scene scene = measure::makeScene(row.shape, count, row.noise, s.normal_noise,
                                                   static_cast<std::uint64_t>(s.seed));
@@ -203,9 +185,7 @@ forEachFit(const Settings& s, Row row, double points, const Print& print)
   return {};
 }
 
-Error
-printTable(const Settings& s)
-{
+Error printTable(const Settings& s) {
   printHeader(s);
   const auto print = [&s](const Row& row) {
     return s.by_degree ? printByDegree(s, row) : printDetails(s, row);
@@ -219,9 +199,7 @@ printTable(const Settings& s)
 }
 
 /** "(3.02)": the power of the spacing, proportional to N^-1/2, that an error follows. */
-std::string
-slope(double coarse, double fine, double coarse_points, double fine_points)
-{
+std::string slope(double coarse, double fine, double coarse_points, double fine_points) {
   char text[32];
   const double power = std::log(coarse / fine) / (0.5 * std::log(fine_points / coarse_points));
   std::snprintf(text, sizeof(text), " (%.2f)", power);
@@ -229,9 +207,7 @@ slope(double coarse, double fine, double coarse_points, double fine_points)
 }
 
 /** One shape, noise, penalty and degree: a row for each size of the cloud. */
-Error
-printSlopes(const Settings& s, Row row, double normals, double t_mdl, double degree)
-{
+Error printSlopes(const Settings& s, Row row, double normals, double t_mdl, double degree) {
   measure::Accuracy last;
   row.normals = normals != 0;
   row.t_mdl = t_mdl;
@@ -259,9 +235,7 @@ printSlopes(const Settings& s, Row row, double normals, double t_mdl, double deg
   return {};
 }
 
-Error
-printConvergence(const Settings& s)
-{
+Error printConvergence(const Settings& s) {
   std::puts(
       "| shape | noise | T | normals | degree | points | position (slope) "
       "| normal ° (slope) | H (slope) | leaves/pt |\n|---|---|---|---|---|---|---|---|---|---|");
@@ -277,17 +251,13 @@ printConvergence(const Settings& s)
   });
 }
 
-Error
-measureAll(const Settings& s)
-{
+Error measureAll(const Settings& s) {
   return s.convergence ? printConvergence(s) : printTable(s);
 }
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
                               measureAll);
 }

@@ -6,10 +6,10 @@
 
 #include "common/run_program.h"
 #include "fit/nanoflann_unit.h"
-#include "support/lab/bench.h"
-#include "support/lab/scenes.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/fit/fit.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 
 namespace {
 
@@ -45,9 +45,7 @@ struct Timing {
   FitStatistics fit;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("fit_bench", "1", "Times the fit in units of a nanoflann pass, by stage.");
   options.text("points", &s.points, "N,...", "sizes of the cloud");
   options.text("degree", &s.degree, "D,...", "degrees of the polynomials, 1 to 4");
@@ -61,9 +59,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-Error
-finishOptions(const OptionTable& options, Settings& s)
-{
+Error finishOptions(const OptionTable& options, Settings& s) {
   if (options.given("degree") || options.given("t_mdl")) s.sweep_limit = 1e18;
   if (Error error = measure::chooseVectors(s.vectors)) return error;
   if (Error error = measure::parseShapes(s.shape, s.shape_list)) return error;
@@ -76,16 +72,12 @@ finishOptions(const OptionTable& options, Settings& s)
 }
 
 /** The largest clouds show two settings: the one peers are compared at and the default. */
-bool
-inSweep(const Settings& s, const Row& row)
-{
+bool inSweep(const Settings& s, const Row& row) {
   if (static_cast<double>(row.points) <= s.sweep_limit) return true;
   return row.t_mdl > 0 ? row.degree == 2 : row.degree == 4;
 }
 
-Error
-fitOnce(const CloudView& view, const FitParams& params, Timing& t)
-{
+Error fitOnce(const CloudView& view, const FitParams& params, Timing& t) {
   const measure::MemoryGauge memory;
   const double cpu = measure::cpuSeconds(), wall = measure::wallSeconds();
   const auto store = PointStore::build(view, params.threads);
@@ -107,9 +99,7 @@ fitOnce(const CloudView& view, const FitParams& params, Timing& t)
   return {};
 }
 
-void
-printHeader()
-{
+void printHeader() {
   std::printf("instruction set %s\n\n", kernels::instructionSet());
   std::puts(
       "| cloud | noise | T | degree | normals | threads | **units CPU** | **units wall** "
@@ -118,9 +108,7 @@ printHeader()
   std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
 }
 
-void
-printRow(const Row& row, const Timing& t)
-{
+void printRow(const Row& row, const Timing& t) {
   const double n = static_cast<double>(row.points), micro = 1e6 / n;
   const auto us = [micro](const std::vector<double>& seconds) {
     return micro * measure::median(seconds);
@@ -138,9 +126,8 @@ printRow(const Row& row, const Timing& t)
   std::fflush(stdout);
 }
 
-Error
-measureRow(const Row& row, int repeats, const measure::Scene& scene, const std::vector<float>& xyz)
-{
+Error measureRow(const Row& row, int repeats, const measure::Scene& scene,
+                 const std::vector<float>& xyz) {
   FitParams params;
   params.degree = row.degree;
   if (row.t_mdl > 0) params.size = MDLThreshold{row.t_mdl};
@@ -157,9 +144,7 @@ measureRow(const Row& row, int repeats, const measure::Scene& scene, const std::
 }
 
 /** All rows of one cloud. */
-Error
-measureCloud(const Settings& s, Row row)
-{
+Error measureCloud(const Settings& s, Row row) {
   measure::Shape shape;
   measure::parseShape(row.shape, shape);
   const measure::Scene scene = measure::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
@@ -181,9 +166,7 @@ measureCloud(const Settings& s, Row row)
   return {};
 }
 
-Error
-measureAll(const Settings& s)
-{
+Error measureAll(const Settings& s) {
   printHeader();
   Row row;
   for (const std::string& shape : s.shape_list) {
@@ -201,9 +184,7 @@ measureAll(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
                               measureAll);
 }

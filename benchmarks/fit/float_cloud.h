@@ -12,8 +12,7 @@ struct FloatCloud {
   std::size_t kdtree_get_point_count() const { return xyz.size() / 3; }
   float kdtree_get_pt(std::size_t i, std::size_t a) const { return xyz[3 * i + a]; }
   template <class Box>
-  bool kdtree_get_bbox(Box&) const
-  {
+  bool kdtree_get_bbox(Box&) const {
     return false;
   }
 };

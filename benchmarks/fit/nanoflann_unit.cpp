@@ -17,9 +17,8 @@ constexpr std::size_t kNeighbors = 10, kPointsPerLeaf = 10;
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FloatCloud>,
                                                  FloatCloud, 3>;
 
-float
-smallestEigenvalue(const std::vector<float>& xyz, const std::uint32_t* index, std::size_t count)
-{
+float smallestEigenvalue(const std::vector<float>& xyz, const std::uint32_t* index,
+                         std::size_t count) {
   Eigen::Matrix<float, 3, Eigen::Dynamic, 0, 3, kNeighbors> patch(3, count);
   for (std::size_t j = 0; j < count; ++j) {
     patch.col(static_cast<Eigen::Index>(j)) = Eigen::Vector3f::Map(&xyz[3 * index[j]]);
@@ -33,9 +32,7 @@ smallestEigenvalue(const std::vector<float>& xyz, const std::uint32_t* index, st
 
 }  // namespace
 
-double
-measureUnit(const std::vector<float>& xyz)
-{
+double measureUnit(const std::vector<float>& xyz) {
   const double start = cpuSeconds();
   const FloatCloud cloud{xyz};
   Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kPointsPerLeaf));

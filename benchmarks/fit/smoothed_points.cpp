@@ -10,9 +10,7 @@ namespace pcl_slim::measure {
 
 namespace {
 
-void
-scatter(const PointStore& store, const Projection& projection, SmoothedPoints& result)
-{
+void scatter(const PointStore& store, const Projection& projection, SmoothedPoints& result) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::uint32_t> place = store.storeOfInput();
   const double scale = store.scale();
@@ -45,9 +43,8 @@ scatter(const PointStore& store, const Projection& projection, SmoothedPoints& r
 
 }  // namespace
 
-Result<SmoothedPoints>
-smoothPoints(const CloudView& cloud, const FitParams& fit, ProjectionParams how)
-{
+Result<SmoothedPoints> smoothPoints(const CloudView& cloud, const FitParams& fit,
+                                    ProjectionParams how) {
   const double start = cpuSeconds();
   auto store = PointStore::build(cloud, fit.threads);
   if (!store) return store.error();
@@ -67,9 +64,7 @@ smoothPoints(const CloudView& cloud, const FitParams& fit, ProjectionParams how)
   return result;
 }
 
-CloudView
-viewOf(const std::vector<Vector3>& points)
-{
+CloudView viewOf(const std::vector<Vector3>& points) {
   CloudView view;
   view.xyz = points.data();
   view.scalar = CloudView::Scalar::kDouble;

@@ -22,11 +22,10 @@ struct SmoothedPoints {
 };
 
 /** \brief Fits a cloud and projects its points. */
-Result<SmoothedPoints>
-smoothPoints(const CloudView& cloud, const FitParams& fit, ProjectionParams projection = {});
+Result<SmoothedPoints> smoothPoints(const CloudView& cloud, const FitParams& fit,
+                                    ProjectionParams projection = {});
 
 /** \brief A view of points; valid while they are. */
-CloudView
-viewOf(const std::vector<Vector3>& points);
+CloudView viewOf(const std::vector<Vector3>& points);
 
 }  // namespace pcl_slim::measure

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // CGAL's ridges of a mesh beside ours of its points: Monge_via_jet_fitting and Ridge_approximation.
-// The mesh joins the points as they were before noise moved them, which no scan offers: the convex hull of
-// their directions from the origin, which stars such as these surfaces allow.
+// The mesh joins the points as they were before noise moved them, which no scan offers: the convex
+// hull of their directions from the origin, which stars such as these surfaces allow.
 #include <CGAL/Monge_via_jet_fitting.h>
 #include <CGAL/Ridges.h>
 #include <CGAL/Simple_cartesian.h>
@@ -15,9 +15,9 @@
 
 #include "common/options.h"
 #include "line_run.h"
+#include "pcl_slim/cloud/knn.h"
 #include "support/lab/bench.h"
 #include "support/lab/line_truth.h"
-#include "pcl_slim/cloud/knn.h"
 
 namespace {
 
@@ -45,9 +45,7 @@ struct Curve {
   std::vector<measure::Segment> segments;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("cgal_lines_bench", "1", "Measures CGAL's ridges of a mesh beside ours.");
   options.text("surface", &s.surface, "NAME", "ellipsoid, bumpy or box");
   options.integer("points", &s.points, 100, 10000000, "size of the cloud");
@@ -60,9 +58,7 @@ declareOptions(Settings& s)
 }
 
 /** The mesh of some points, joined as their clean places are. */
-Mesh
-meshOf(const measure::Scene& clean, const measure::Scene& scene)
-{
+Mesh meshOf(const measure::Scene& clean, const measure::Scene& scene) {
   using Hull = CGAL::Exact_predicates_inexact_constructions_kernel;
   CGAL::Surface_mesh<Hull::Point_3> hull;
   std::vector<Hull::Point_3> directions;
@@ -91,8 +87,7 @@ struct Jets {
   Numbers k1, k2, b0, b3, p1, p2;
   Vectors d1, d2;
 
-  explicit Jets(Mesh& mesh)
-  {
+  explicit Jets(Mesh& mesh) {
     for (auto* column : {&k1, &k2, &b0, &b3, &p1, &p2}) {
       *column = mesh.add_property_map<Vertex, double>().first;
     }
@@ -100,8 +95,7 @@ struct Jets {
     d2 = mesh.add_property_map<Vertex, Kernel::Vector_3>().first;
   }
 
-  void fit(Vertex v, const std::vector<Kernel::Point_3>& points, const Kernel::Vector_3& inwards)
-  {
+  void fit(Vertex v, const std::vector<Kernel::Point_3>& points, const Kernel::Vector_3& inwards) {
     using Fitting = CGAL::Monge_via_jet_fitting<Kernel>;
     Fitting fitting;
     Fitting::Monge_form form = fitting(points.begin(), points.end(), kJetDegree, kJetDegree);
@@ -120,9 +114,7 @@ struct Jets {
 };
 
 /** Jets at all vertices, each from its nearest neighbours. */
-Error
-fitJets(const Settings& s, const measure::Scene& scene, const Mesh& mesh, Jets& jets)
-{
+Error fitJets(const Settings& s, const measure::Scene& scene, const Mesh& mesh, Jets& jets) {
   const auto store = PointStore::build(measure::viewOf(scene, nullptr, true), 1);
   if (!store) return store.error();
   NeighborSearch search(*store);
@@ -142,9 +134,7 @@ fitJets(const Settings& s, const measure::Scene& scene, const Mesh& mesh, Jets& 
   return {};
 }
 
-std::vector<Curve>
-curvesOf(const Mesh& mesh, const Jets& jets)
-{
+std::vector<Curve> curvesOf(const Mesh& mesh, const Jets& jets) {
   std::vector<Ridges::Ridge_line*> found;
   Ridges ridges(mesh, jets.k1, jets.k2, jets.b0, jets.b3, jets.d1, jets.d2, jets.p1, jets.p2);
   ridges.compute_crest_ridges(std::back_inserter(found), CGAL::Ridge_order_4);
@@ -166,9 +156,8 @@ curvesOf(const Mesh& mesh, const Jets& jets)
   return curves;
 }
 
-void
-printRow(const char* who, const measure::LineScore& score, std::size_t pieces, double microseconds)
-{
+void printRow(const char* who, const measure::LineScore& score, std::size_t pieces,
+              double microseconds) {
   std::printf("| %s | %.3f | %.3f | %.3f | %.3f | %.3f | %.1f | %zu | %.1f |\n", who, score.rms,
               score.found1, score.found3, score.off1, score.off3, score.found_length, pieces,
               microseconds);
@@ -176,10 +165,8 @@ printRow(const char* who, const measure::LineScore& score, std::size_t pieces, d
 }
 
 /** CGAL's curves from a strength on. */
-measure::LineScore
-scoreAbove(const std::vector<Curve>& curves, double least, const Segments& truth, double spacing,
-           std::size_t& pieces)
-{
+measure::LineScore scoreAbove(const std::vector<Curve>& curves, double least, const Segments& truth,
+                              double spacing, std::size_t& pieces) {
   Segments found(2);
   pieces = 0;
   for (const Curve& curve : curves) {
@@ -191,10 +178,8 @@ scoreAbove(const std::vector<Curve>& curves, double least, const Segments& truth
   return measure::scoreLines(found, truth, spacing);
 }
 
-Error
-runCgal(const Settings& s, const measure::Scene& clean, const measure::Scene& scene,
-        const Segments& truth, double spacing)
-{
+Error runCgal(const Settings& s, const measure::Scene& clean, const measure::Scene& scene,
+              const Segments& truth, double spacing) {
   Mesh mesh = meshOf(clean, scene);
   const double begin = measure::cpuSeconds();
   Jets jets(mesh);
@@ -217,9 +202,7 @@ runCgal(const Settings& s, const measure::Scene& clean, const measure::Scene& sc
   return {};
 }
 
-Error
-runOurs(const measure::Scene& scene, const Segments& truth, double spacing)
-{
+Error runOurs(const measure::Scene& scene, const Segments& truth, double spacing) {
   CrestParams params;
   params.threads = 1;
   lines_bench::LineRun run;
@@ -229,9 +212,7 @@ runOurs(const measure::Scene& scene, const Segments& truth, double spacing)
   return {};
 }
 
-Error
-printTable(const Settings& s)
-{
+Error printTable(const Settings& s) {
   measure::LineSurface surface;
   if (!measure::parseLineSurface(s.surface, surface) || s.surface == "wtorus" ||
       s.surface == "torus")
@@ -255,9 +236,7 @@ printTable(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;

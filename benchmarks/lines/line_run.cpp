@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "line_run.h"
 
-#include "support/lab/bench.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::lines_bench {
 
-Error
-runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run)
-{
+Error runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run) {
   run.points = cloud.count();
   const double n = static_cast<double>(cloud.count()) * 1e-6;
   double begin = measure::cpuSeconds();
@@ -32,9 +30,7 @@ runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineR
   return error;
 }
 
-std::vector<std::vector<measure::Segment>>
-segmentsOf(const CrestLines& lines)
-{
+std::vector<std::vector<measure::Segment>> segmentsOf(const CrestLines& lines) {
   std::vector<std::vector<measure::Segment>> made(2);
   for (std::size_t i = 0; i < lines.numLines(); ++i) {
     auto& segments = made[static_cast<std::size_t>(lines.type[i])];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "support/lab/line_truth.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/fit/fit.h"
+#include "support/lab/line_truth.h"
 
 /** \brief Crest lines of a cloud, each stage on its own clock. */
 namespace pcl_slim::lines_bench {
@@ -17,11 +17,9 @@ struct LineRun {
 };
 
 /** \brief Fits, projects and traces. */
-Error
-runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run);
+Error runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run);
 
 /** \brief Lines as pieces, ridges and ravines, to be compared with exact ones. */
-std::vector<std::vector<measure::Segment>>
-segmentsOf(const CrestLines& lines);
+std::vector<std::vector<measure::Segment>> segmentsOf(const CrestLines& lines);
 
 }  // namespace pcl_slim::lines_bench

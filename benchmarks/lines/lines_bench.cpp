@@ -7,9 +7,9 @@
 
 #include "common/options.h"
 #include "line_run.h"
-#include "support/lab/line_truth.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/features/crest_lines.h"
+#include "support/lab/bench.h"
+#include "support/lab/line_truth.h"
 
 namespace {
 
@@ -43,9 +43,7 @@ struct Truth {
   std::vector<std::vector<Segment>> lines;  ///< ridges, ravines
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("lines_bench", "1", "Measures crest lines against exact ones.");
   options.text("surface", &s.surface, "NAME,...",
                "ellipsoid, bumpy, mix, box, wtorus, sphere, torus");
@@ -71,9 +69,7 @@ declareOptions(Settings& s)
 
 /** Turns a vector by 33 degrees about an axis askew, or back. */
 template <typename T>
-void
-turn(T* p, double sign)
-{
+void turn(T* p, double sign) {
   const Vector3 axis = normalized({0.36, 0.48, 0.8});
   const double angle = sign * 33 * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
   const Vector3 v = {p[0], p[1], p[2]}, x = cross(axis, v);
@@ -83,9 +79,7 @@ turn(T* p, double sign)
   }
 }
 
-Error
-trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome& outcome)
-{
+Error trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome& outcome) {
   CrestParams params = s.params;
   if (s.unfiltered) params.significance = params.peak_significance = params.min_length = 0;
   lines_bench::LineRun run;
@@ -105,9 +99,7 @@ trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome
 }
 
 /** Lines of turned points, turned back, against those of the points as they are. */
-Error
-traceTurned(const Settings& s, measure::Scene scene, CrestLines& lines, Outcome& outcome)
-{
+Error traceTurned(const Settings& s, measure::Scene scene, CrestLines& lines, Outcome& outcome) {
   for (std::size_t i = 0; i < scene.points.size(); i += 3) {
     turn(&scene.points[i], 1);
     turn(&scene.normals[i], 1);
@@ -117,12 +109,10 @@ traceTurned(const Settings& s, measure::Scene scene, CrestLines& lines, Outcome&
   return {};
 }
 
-/** Mean radius of the leaves along the lines, in spacings, and the share of vertices that lie farther than a
- * quarter of theirs from the truth. */
-void
-compareRadii(const CrestLines& lines, const std::vector<std::vector<Segment>>& truth,
-             double spacing, Outcome& outcome)
-{
+/** Mean radius of the leaves along the lines, in spacings, and the share of vertices that lie
+ * farther than a quarter of theirs from the truth. */
+void compareRadii(const CrestLines& lines, const std::vector<std::vector<Segment>>& truth,
+                  double spacing, Outcome& outcome) {
   const auto n = static_cast<double>(std::max<std::size_t>(1, lines.numVertices()));
   double most = spacing;
   for (const float r : lines.radius) most = std::max<double>(most, r);
@@ -139,10 +129,8 @@ compareRadii(const CrestLines& lines, const std::vector<std::vector<Segment>>& t
   }
 }
 
-Error
-runScene(const Settings& s, const Truth& truth, std::size_t points, double noise, int seed,
-         Outcome& outcome)
-{
+Error runScene(const Settings& s, const Truth& truth, std::size_t points, double noise, int seed,
+               Outcome& outcome) {
   const auto scene = measure::sampleSurface(truth.surface, points, noise, s.normal_noise,
                                             static_cast<std::uint64_t>(seed));
   CrestLines lines;
@@ -158,10 +146,8 @@ runScene(const Settings& s, const Truth& truth, std::size_t points, double noise
   return {};
 }
 
-Error
-printRow(const Settings& s, const std::string& name, const Truth& truth, std::size_t points,
-         double noise)
-{
+Error printRow(const Settings& s, const std::string& name, const Truth& truth, std::size_t points,
+               double noise) {
   Outcome sum;
   for (int i = 0; i < s.seeds; ++i) {
     Outcome one;
@@ -194,9 +180,7 @@ printRow(const Settings& s, const std::string& name, const Truth& truth, std::si
   return {};
 }
 
-Error
-printTable(Settings& s)
-{
+Error printTable(Settings& s) {
   std::vector<std::string> names;
   for (std::size_t at = 0; at <= s.surface.size();) {
     const std::size_t comma = std::min(s.surface.find(',', at), s.surface.size());
@@ -238,9 +222,7 @@ printTable(Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   s.params.threads = 1;
   s.fit.trim = false;

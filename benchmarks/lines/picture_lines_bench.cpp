@@ -7,12 +7,12 @@
 #include <cstdio>
 
 #include "common/run_program.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -31,9 +31,7 @@ struct View {
   std::vector<PictureLine> lines;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("picture_lines_bench", "1", "Measures lines in pictures.");
   options.positional("SURFACE.slim", &s.surface, "surface of pcl_slim_fit");
   options.integer("width", &s.width, 16, 8192, "pixels");
@@ -48,9 +46,7 @@ declareOptions(Settings& s)
 }
 
 /** The lines on white paper. */
-Error
-savePicture(const Settings& s, const View& view)
-{
+Error savePicture(const Settings& s, const View& view) {
   Image image;
   image.width = s.width;
   image.height = s.height;
@@ -59,18 +55,14 @@ savePicture(const Settings& s, const View& view)
   return saveImage(s.picture, image);
 }
 
-Error
-renderView(SurfaceRenderer& renderer, const Settings& s, View& view)
-{
+Error renderView(SurfaceRenderer& renderer, const Settings& s, View& view) {
   RenderParams params;
   params.threads = s.threads;
   params.columns = pictureLineColumns(s.lines) | kPositionColumn;
   return renderer.render(view.camera, params, view.buffer);
 }
 
-Error
-timeLines(const SLIMSurface& surface, const Settings& s, View& view)
-{
+Error timeLines(const SLIMSurface& surface, const Settings& s, View& view) {
   std::vector<double> times, cpu;
   for (int i = 0; i < s.repeat; ++i) {
     const double start = measure::wallSeconds(), cpu_start = measure::cpuSeconds();
@@ -88,9 +80,7 @@ timeLines(const SLIMSurface& surface, const Settings& s, View& view)
 }
 
 /** A camera turned about its target, about its own upward axis. */
-Camera
-turned(const Camera& camera, double degrees)
-{
+Camera turned(const Camera& camera, double degrees) {
   const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
   const Vector3 axis = normalized(camera.up);
   const Vector3 arm = subtract(camera.position, camera.look_at);
@@ -103,10 +93,8 @@ turned(const Camera& camera, double degrees)
 }
 
 /** The surface point at a place between pixels, world coordinates. */
-bool
-placeOn(const SLIMSurface& surface, const GBuffer& buffer, const std::array<float, 2>& p,
-        Vector3& world)
-{
+bool placeOn(const SLIMSurface& surface, const GBuffer& buffer, const std::array<float, 2>& p,
+             Vector3& world) {
   const int x = static_cast<int>(std::floor(p[0])), y = static_cast<int>(std::floor(p[1]));
   if (x < 0 || y < 0 || x + 1 >= buffer.width || y + 1 >= buffer.height) return false;
   const double fx = p[0] - x, fy = p[1] - y;
@@ -122,9 +110,7 @@ placeOn(const SLIMSurface& surface, const GBuffer& buffer, const std::array<floa
 }
 
 /** Crest lines of a view as lines in space. */
-std::vector<SpaceLine>
-placeOn(const SLIMSurface& surface, const View& view)
-{
+std::vector<SpaceLine> placeOn(const SLIMSurface& surface, const View& view) {
   std::vector<SpaceLine> placed;
   for (const PictureLine& line : view.lines) {
     if (line.kind != PictureLineKind::kRidge && line.kind != PictureLineKind::kRavine) continue;
@@ -139,9 +125,7 @@ placeOn(const SLIMSurface& surface, const View& view)
 }
 
 /** Pixels from a place to the nearest vertex of a view's lines of one kind. */
-double
-distanceTo(const View& view, PictureLineKind kind, const std::array<float, 2>& p)
-{
+double distanceTo(const View& view, PictureLineKind kind, const std::array<float, 2>& p) {
   double least = 1e9;
   for (const PictureLine& line : view.lines) {
     if (line.kind != kind) continue;
@@ -151,9 +135,7 @@ distanceTo(const View& view, PictureLineKind kind, const std::array<float, 2>& p
   return least;
 }
 
-void
-printDrift(const SLIMSurface& surface, const View& from, const View& to, double degrees)
-{
+void printDrift(const SLIMSurface& surface, const View& from, const View& to, double degrees) {
   const auto seen = projectLines(placeOn(surface, from), to.buffer, to.camera, surface);
   if (!seen) return;
   std::vector<double> distances;
@@ -170,9 +152,7 @@ printDrift(const SLIMSurface& surface, const View& from, const View& to, double 
       degrees, 100.0 * share, distances.size(), measure::median(distances));
 }
 
-Error
-run(Settings& s)
-{
+Error run(Settings& s) {
   const auto surface = loadSlim(s.surface);
   if (!surface) return surface.error();
   s.lines.threads = s.threads;
@@ -202,9 +182,7 @@ run(Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(
       argc, argv, "use a smaller picture", declareOptions,
       [](const OptionTable&, Settings&) { return Error(); }, run);

@@ -11,9 +11,7 @@ namespace pcl_slim::mesh_bench {
 
 namespace {
 
-Points
-positionsOf(const PointFile& file)
-{
+Points positionsOf(const PointFile& file) {
   Points points(numPoints(file.cloud));
   for (std::size_t a = 0; a < 3; ++a) {
     const int field = findField(file.cloud, std::string(1, static_cast<char>('x' + a)));
@@ -26,9 +24,7 @@ positionsOf(const PointFile& file)
 
 }  // namespace
 
-Result<Mesh>
-loadMesh(const std::string& path)
-{
+Result<Mesh> loadMesh(const std::string& path) {
   const auto file = loadPointFile(path);
   if (!file) return file.error();
   Mesh mesh;
@@ -39,9 +35,7 @@ loadMesh(const std::string& path)
   return Error{ErrorCode::kBadInput, "'" + path + "' has no faces; name a mesh"};
 }
 
-Result<Pair>
-loadPair(const std::string& folder, const std::string& name)
-{
+Result<Pair> loadPair(const std::string& folder, const std::string& name) {
   auto noisy = loadMesh(folder + "/" + name + "_noisy.ply");
   if (!noisy) return noisy.error();
   auto truth = loadMesh(folder + "/" + name + "_original.ply");
@@ -58,9 +52,7 @@ loadPair(const std::string& folder, const std::string& name)
   return pair;
 }
 
-Error
-saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces)
-{
+Error saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces) {
   pcl::PointCloud<pcl::PointXYZ> cloud;
   for (const Vector3& p : vertices) {
     cloud.emplace_back(static_cast<float>(p[0]), static_cast<float>(p[1]),
@@ -73,9 +65,7 @@ saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces
   return savePointFile(path, file);
 }
 
-Points
-faceNormals(const Points& vertices, const MeshFaces& faces)
-{
+Points faceNormals(const Points& vertices, const MeshFaces& faces) {
   Points normals(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     normals[f] = normalized(areaVector(vertices, faces[f]));
@@ -83,25 +73,19 @@ faceNormals(const Points& vertices, const MeshFaces& faces)
   return normals;
 }
 
-Points
-faceCentroids(const Points& vertices, const MeshFaces& faces)
-{
+Points faceCentroids(const Points& vertices, const MeshFaces& faces) {
   Points centroids(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) centroids[f] = centroid(vertices, faces[f]);
   return centroids;
 }
 
-std::vector<double>
-faceAreas(const Points& vertices, const MeshFaces& faces)
-{
+std::vector<double> faceAreas(const Points& vertices, const MeshFaces& faces) {
   std::vector<double> areas(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) areas[f] = length(areaVector(vertices, faces[f]));
   return areas;
 }
 
-double
-meanCentroidDistance(const Points& centroids, const MeshTopology& topology)
-{
+double meanCentroidDistance(const Points& centroids, const MeshTopology& topology) {
   double sum = 0, count = 0;
   for (std::size_t f = 0; f < centroids.size(); ++f) {
     for (const std::uint32_t g : topology.acrossEdges(f)) {
@@ -112,9 +96,7 @@ meanCentroidDistance(const Points& centroids, const MeshTopology& topology)
   return count > 0 ? sum / count : 0;
 }
 
-double
-meanEdge(const Points& vertices, const MeshFaces& faces)
-{
+double meanEdge(const Points& vertices, const MeshFaces& faces) {
   double sum = 0, count = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const IndexRow corners = faces[f];

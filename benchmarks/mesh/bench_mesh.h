@@ -21,8 +21,7 @@ struct Pair {
 };
 
 /** \brief Reads FOLDER/NAME_noisy.ply and FOLDER/NAME_original.ply. */
-Result<Pair>
-loadPair(const std::string& folder, const std::string& name);
+Result<Pair> loadPair(const std::string& folder, const std::string& name);
 
 /** \brief A mesh alone. */
 struct Mesh {
@@ -31,31 +30,24 @@ struct Mesh {
 };
 
 /** \brief Reads a .ply with faces. */
-Result<Mesh>
-loadMesh(const std::string& path);
+Result<Mesh> loadMesh(const std::string& path);
 
 /** \brief Writes a mesh as .ply. */
-Error
-saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces);
+Error saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces);
 
 /** \brief Unit normals of all faces, zero for those without area. */
-Points
-faceNormals(const Points& vertices, const MeshFaces& faces);
+Points faceNormals(const Points& vertices, const MeshFaces& faces);
 
 /** \brief Means of the faces' corners. */
-Points
-faceCentroids(const Points& vertices, const MeshFaces& faces);
+Points faceCentroids(const Points& vertices, const MeshFaces& faces);
 
 /** \brief Areas of all faces. */
-std::vector<double>
-faceAreas(const Points& vertices, const MeshFaces& faces);
+std::vector<double> faceAreas(const Points& vertices, const MeshFaces& faces);
 
 /** \brief Mean distance of the centroids of faces that share an edge. */
-double
-meanCentroidDistance(const Points& centroids, const MeshTopology& topology);
+double meanCentroidDistance(const Points& centroids, const MeshTopology& topology);
 
 /** \brief Mean edge length, each edge counted once a face. */
-double
-meanEdge(const Points& vertices, const MeshFaces& faces);
+double meanEdge(const Points& vertices, const MeshFaces& faces);
 
 }  // namespace pcl_slim::mesh_bench

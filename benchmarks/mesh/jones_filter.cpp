@@ -16,15 +16,11 @@ struct Pass {
   double range = 0;  ///< 0: faces predict their centroids, and heights do not count
 };
 
-double
-gaussian(double distance_sq, double sigma)
-{
+double gaussian(double distance_sq, double sigma) {
   return std::exp(-0.5 * distance_sq / (sigma * sigma));
 }
 
-Vector3
-filtered(const Pass& pass, const Vector3& p, const std::vector<std::uint32_t>& near)
-{
+Vector3 filtered(const Pass& pass, const Vector3& p, const std::vector<std::uint32_t>& near) {
   Vector3 sum{};
   double total = 0;
   for (const std::uint32_t f : near) {
@@ -42,9 +38,7 @@ filtered(const Pass& pass, const Vector3& p, const std::vector<std::uint32_t>& n
   return total > 0 ? scaled(sum, 1 / total) : p;
 }
 
-Points
-runPass(const Pass& pass, const Points& vertices)
-{
+Points runPass(const Pass& pass, const Points& vertices) {
   Points made = vertices;
   std::vector<std::uint32_t> seen(pass.centroids.size(), 0), near, all;
   std::uint32_t stamp = 0;
@@ -71,9 +65,7 @@ runPass(const Pass& pass, const Points& vertices)
 
 }  // namespace
 
-Points
-jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& params)
-{
+Points jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& params) {
   const MeshTopology topology(faces, vertices.size());
   const double edge = meanEdge(vertices, faces);
   Pass pass{topology,

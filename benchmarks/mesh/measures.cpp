@@ -13,15 +13,11 @@ namespace {
 constexpr double kDegrees = 57.29577951308232;
 constexpr double kSharp = 40 / kDegrees;
 
-double
-angleBetween(const Vector3& a, const Vector3& b)
-{
+double angleBetween(const Vector3& a, const Vector3& b) {
   return std::acos(std::clamp(dot(a, b), -1.0, 1.0));
 }
 
-comparison::MeshSurface
-surfaceOf(const Points& vertices, const MeshFaces& faces)
-{
+comparison::MeshSurface surfaceOf(const Points& vertices, const MeshFaces& faces) {
   std::vector<comparison::MeshSurface::Triangle> triangles;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (std::size_t k = 2; k < faces[f].size(); ++k) {
@@ -32,9 +28,7 @@ surfaceOf(const Points& vertices, const MeshFaces& faces)
 }
 
 /** Six times the volume within a closed mesh, relative to a point; what faces cover is counted. */
-double
-volumeOf(const Points& vertices, const MeshFaces& faces, const Vector3& middle)
-{
+double volumeOf(const Points& vertices, const MeshFaces& faces, const Vector3& middle) {
   double sum = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     sum += dot(areaVector(vertices, faces[f]), subtract(vertices[faces[f][0]], middle));
@@ -51,8 +45,7 @@ Comparison::Comparison(const Pair& pair)
       normals_(faceNormals(pair.truth, pair.faces)),
       noisy_normals_(faceNormals(pair.noisy, pair.faces)),
       sides_(pair.faces.size()),
-      sharp_(sharpVertices())
-{
+      sharp_(sharpVertices()) {
   for (std::size_t f = 0; f < sides_.size(); ++f) {
     sides_[f] = areaVector(pair.truth, pair.faces[f]);
     for (const std::uint32_t g : topology_.around(f)) {
@@ -61,9 +54,7 @@ Comparison::Comparison(const Pair& pair)
   }
 }
 
-std::vector<std::uint8_t>
-Comparison::sharpVertices() const
-{
+std::vector<std::uint8_t> Comparison::sharpVertices() const {
   std::vector<std::uint8_t> sharp(pair_.truth.size());
   for (std::size_t v = 0; v < sharp.size(); ++v) {
     for (const std::uint32_t f : topology_.facesOf(v)) {
@@ -75,9 +66,7 @@ Comparison::sharpVertices() const
   return sharp;
 }
 
-void
-Comparison::measureFaces(const Points& smoothed, Measures& m) const
-{
+void Comparison::measureFaces(const Points& smoothed, Measures& m) const {
   const Points made = faceNormals(smoothed, pair_.faces);
   double sharp = 0;
   for (std::size_t f = 0; f < made.size(); ++f) {
@@ -95,9 +84,7 @@ Comparison::measureFaces(const Points& smoothed, Measures& m) const
   if (sharp > 0) m.sharp_angle /= sharp;
 }
 
-Measures
-Comparison::of(const Points& smoothed) const
-{
+Measures Comparison::of(const Points& smoothed) const {
   Measures m;
   std::vector<double> distances(smoothed.size());
   parallelFor(smoothed.size(), resolveThreads(0), 1024,

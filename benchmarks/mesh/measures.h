@@ -18,9 +18,9 @@ struct Measures {
   std::size_t newly_folded = 0;  ///< those among them that did not so in the input
 };
 
-/** \brief Compares smoothed meshes with the original of a pair, vertex by vertex and face by face. Edges
- * are sharp where the original's faces part by more than 40 degrees. What concerns the original alone
- * is found once, in O(faces log faces). */
+/** \brief Compares smoothed meshes with the original of a pair, vertex by vertex and face by face.
+ * Edges are sharp where the original's faces part by more than 40 degrees. What concerns the
+ * original alone is found once, in O(faces log faces). */
 class Comparison {
  public:
   /** \brief The pair must outlive it. */

@@ -4,11 +4,11 @@
 #include <string>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "mesh/measures.h"
 #include "mesh/rivals.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
 #include "pcl_slim/query/projection.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -21,9 +21,8 @@ struct Settings {
   int threads = 1;
 };
 
-void
-printRow(const std::string& name, const std::string& method, const Measures& m, double seconds)
-{
+void printRow(const std::string& name, const std::string& method, const Measures& m,
+              double seconds) {
   std::printf("| %s | %s | %.4f | %.4f | %.2f | %+.4f | %.4f | %.2f | %zu | %zu | %.2f |\n",
               name.c_str(), method.c_str(), m.surface_rms, m.vertex_rms, m.angle, 100 * m.volume,
               m.sharp_rms, m.sharp_angle, m.folded, m.newly_folded, seconds);
@@ -50,8 +49,7 @@ class Sweep {
  public:
   Sweep(const Task& task, std::string method) : task_(task), method_(std::move(method)) {}
 
-  void add(const std::string& setting, const Points& vertices, double seconds)
-  {
+  void add(const std::string& setting, const Points& vertices, double seconds) {
     const Measures m = task_.compare.of(vertices);
     if (!any_ || m.surface_rms < nearest_.measures.surface_rms) {
       nearest_ = {setting, vertices, m, seconds};
@@ -62,16 +60,14 @@ class Sweep {
     any_ = true;
   }
 
-  void print() const
-  {
+  void print() const {
     const bool same = straightest_.setting == nearest_.setting;
     printOne(nearest_, same ? "" : ", best RMS");
     if (!same) printOne(straightest_, ", best normals");
   }
 
  private:
-  void printOne(const Run& run, const std::string& what) const
-  {
+  void printOne(const Run& run, const std::string& what) const {
     printRow(task_.pair.name, method_ + what + (run.setting.empty() ? "" : ": ") + run.setting,
              run.measures, run.seconds);
     if (task_.settings.save.empty()) return;
@@ -88,17 +84,13 @@ class Sweep {
   bool any_ = false;
 };
 
-std::string
-settingText(const char* first, double a, const char* second, double b)
-{
+std::string settingText(const char* first, double a, const char* second, double b) {
   char buffer[80];
   std::snprintf(buffer, sizeof(buffer), "%s %g, %s %g", first, a, second, b);
   return buffer;
 }
 
-void
-sweepJones(const Task& task)
-{
+void sweepJones(const Task& task) {
   const Pair& pair = task.pair;
   Sweep sweep(task, "Jones");
   for (const double spatial : {0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0}) {
@@ -113,9 +105,8 @@ sweepJones(const Task& task)
 }
 
 template <typename Filter>
-void
-sweepNormals(Sweep sweep, const Pair& pair, const Filter& filter, const std::vector<double>& ranges)
-{
+void sweepNormals(Sweep sweep, const Pair& pair, const Filter& filter,
+                  const std::vector<double>& ranges) {
   const std::vector<int> snapshots = {1, 2, 3, 5, 8, 12, 20, 30, 50, 75, 100};
   for (const double range : ranges) {
     for (const int vertex_iterations : {10, 20}) {
@@ -133,9 +124,7 @@ sweepNormals(Sweep sweep, const Pair& pair, const Filter& filter, const std::vec
   sweep.print();
 }
 
-Error
-projectVertices(const Task& task)
-{
+Error projectVertices(const Task& task) {
   const Pair& pair = task.pair;
   Sweep sweep(task, "plain projection");
   for (const bool sharp : {false, true}) {
@@ -150,9 +139,8 @@ projectVertices(const Task& task)
   return {};
 }
 
-Error
-smooth(const Pair& pair, const MeshSmoothParams& params, const std::string& setting, Sweep& sweep)
-{
+Error smooth(const Pair& pair, const MeshSmoothParams& params, const std::string& setting,
+             Sweep& sweep) {
   CloudView view;
   view.xyz = pair.noisy.data();
   view.xyz_stride = sizeof(Vector3);
@@ -165,9 +153,7 @@ smooth(const Pair& pair, const MeshSmoothParams& params, const std::string& sett
   return {};
 }
 
-Error
-smooth(const Task& task, const std::string& method, const MeshSmoothParams& params)
-{
+Error smooth(const Task& task, const std::string& method, const MeshSmoothParams& params) {
   Sweep sweep(task, method);
   if (Error error = smooth(task.pair, params, "", sweep)) return error;
   sweep.print();
@@ -175,9 +161,7 @@ smooth(const Task& task, const std::string& method, const MeshSmoothParams& para
 }
 
 /** The published method, its T as in the paper's fits and at its best. */
-Error
-smoothAsPaper(const Task& task, MeshSmoothParams params)
-{
+Error smoothAsPaper(const Task& task, MeshSmoothParams params) {
   params.fit.paper_mode = true;
   if (Error error = smooth(task, "SLIM, -paper 1", params)) return error;
   Sweep sweep(task, "SLIM, -paper 1, any T");
@@ -191,9 +175,7 @@ smoothAsPaper(const Task& task, MeshSmoothParams params)
   return {};
 }
 
-Error
-smoothOurs(const Task& task)
-{
+Error smoothOurs(const Task& task) {
   MeshSmoothParams params;
   params.fit.threads = task.settings.threads;
   if (Error error = smooth(task, "SLIM, default", params)) return error;
@@ -205,9 +187,7 @@ smoothOurs(const Task& task)
   return smoothAsPaper(task, params);
 }
 
-Error
-runPair(const Settings& settings, const std::string& name)
-{
+Error runPair(const Settings& settings, const std::string& name) {
   const auto pair = loadPair(settings.folder, name);
   if (!pair) return pair.error();
   const Task task{settings, *pair, Comparison(*pair)};
@@ -227,9 +207,7 @@ runPair(const Settings& settings, const std::string& name)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings settings;
   OptionTable options("mesh_bench", "1", "Measures filters of meshes against the originals.");
   options.positional("FOLDER", &settings.folder, "holds NAME_noisy.ply and NAME_original.ply");

@@ -28,8 +28,7 @@ struct View {
   Vector3 right, up, towards, middle;
   double scale = 1, half = 0;
 
-  Vector3 onPicture(const Vector3& p) const
-  {
+  Vector3 onPicture(const Vector3& p) const {
     const Vector3 from = subtract(p, middle);
     return {half + scale * dot(from, right), half - scale * dot(from, up), dot(from, towards)};
   }
@@ -42,14 +41,11 @@ class Canvas {
   explicit Canvas(int size)
       : size_(size * kSamples),
         depth_(static_cast<std::size_t>(size_) * size_, std::numeric_limits<double>::lowest()),
-        light_(depth_.size(), 1.0)
-  {
-  }
+        light_(depth_.size(), 1.0) {}
 
   int size() const { return size_; }
 
-  void fill(const Vector3& a, const Vector3& b, const Vector3& c, double light)
-  {
+  void fill(const Vector3& a, const Vector3& b, const Vector3& c, double light) {
     const double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     if (area == 0) return;
     const auto [low_x, high_x] = std::minmax({a[0], b[0], c[0]});
@@ -68,8 +64,7 @@ class Canvas {
     }
   }
 
-  Image image() const
-  {
+  Image image() const {
     Image made;
     made.width = made.height = size_ / kSamples;
     for (int y = 0; y < made.height; ++y) {
@@ -95,9 +90,7 @@ class Canvas {
   std::vector<double> depth_, light_;
 };
 
-View
-viewOf(const Settings& s)
-{
+View viewOf(const Settings& s) {
   View view;
   for (std::size_t a = 0; a < 3; ++a) {
     view.towards[a] = s.eye[a];
@@ -112,9 +105,7 @@ viewOf(const Settings& s)
   return view;
 }
 
-Error
-draw(const Settings& s)
-{
+Error draw(const Settings& s) {
   const auto mesh = loadMesh(s.input);
   if (!mesh) return mesh.error();
   const View view = viewOf(s);
@@ -135,9 +126,7 @@ draw(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("mesh_picture", "1", "Draws a mesh with flat faces.");
   options.positional("IN.ply", &s.input, "the mesh");

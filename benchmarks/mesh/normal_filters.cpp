@@ -8,9 +8,7 @@ namespace pcl_slim::mesh_bench {
 
 namespace {
 
-double
-gaussian(const Vector3& difference, double sigma)
-{
+double gaussian(const Vector3& difference, double sigma) {
   return std::exp(-0.5 * dot(difference, difference) / (sigma * sigma));
 }
 
@@ -22,10 +20,8 @@ struct Weights {
   double spatial = 0, range = 0;
 };
 
-Vector3
-meanNormal(const Weights& w, const Points& normals, std::uint32_t f, const std::uint32_t* first,
-           const std::uint32_t* last)
-{
+Vector3 meanNormal(const Weights& w, const Points& normals, std::uint32_t f,
+                   const std::uint32_t* first, const std::uint32_t* last) {
   Vector3 sum{};
   for (const std::uint32_t* g = first; g != last; ++g) {
     const double weight = w.areas[*g] *
@@ -37,9 +33,7 @@ meanNormal(const Weights& w, const Points& normals, std::uint32_t f, const std::
 }
 
 /** A face with those around it. */
-std::vector<std::uint32_t>
-patchOf(const MeshTopology& topology, std::uint32_t f)
-{
+std::vector<std::uint32_t> patchOf(const MeshTopology& topology, std::uint32_t f) {
   const IndexRow ring = topology.around(f);
   std::vector<std::uint32_t> patch(ring.begin(), ring.end());
   patch.insert(std::lower_bound(patch.begin(), patch.end(), f), f);
@@ -48,10 +42,8 @@ patchOf(const MeshTopology& topology, std::uint32_t f)
 
 /** How little the normals of a patch agree: their widest difference, times how much its strongest
  * edge stands out among its edges. */
-double
-inconsistency(const Points& normals, const MeshTopology& topology,
-              const std::vector<std::uint32_t>& patch)
-{
+double inconsistency(const Points& normals, const MeshTopology& topology,
+                     const std::vector<std::uint32_t>& patch) {
   double widest = 0, strongest = 0, sum = 0;
   for (const std::uint32_t f : patch) {
     for (const std::uint32_t g : patch) {
@@ -69,9 +61,8 @@ inconsistency(const Points& normals, const MeshTopology& topology,
   return widest * strongest / (sum + kTiny);
 }
 
-Points
-guidanceOf(const Points& normals, const std::vector<double>& areas, const MeshTopology& topology)
-{
+Points guidanceOf(const Points& normals, const std::vector<double>& areas,
+                  const MeshTopology& topology) {
   std::vector<double> value(normals.size());
   Points mean(normals.size());
   for (std::uint32_t f = 0; f < normals.size(); ++f) {
@@ -93,10 +84,8 @@ guidanceOf(const Points& normals, const std::vector<double>& areas, const MeshTo
 
 }  // namespace
 
-void
-followNormals(const Points& normals, const MeshFaces& faces, const MeshTopology& topology,
-              int iterations, Points& vertices)
-{
+void followNormals(const Points& normals, const MeshFaces& faces, const MeshTopology& topology,
+                   int iterations, Points& vertices) {
   for (int i = 0; i < iterations; ++i) {
     const Points centroids = faceCentroids(vertices, faces);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -111,10 +100,9 @@ followNormals(const Points& normals, const MeshFaces& faces, const MeshTopology&
   }
 }
 
-void
-facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t f, double reach,
-            std::vector<std::uint32_t>& seen, std::vector<std::uint32_t>& found)
-{
+void facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t f,
+                 double reach, std::vector<std::uint32_t>& seen,
+                 std::vector<std::uint32_t>& found) {
   found.assign(1, f);
   seen[f] = f + 1;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -128,10 +116,8 @@ facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t
   }
 }
 
-void
-bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
-                      const NormalFilterParams& params, const Snapshot& tell)
-{
+void bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
+                           const NormalFilterParams& params, const Snapshot& tell) {
   const MeshTopology topology(faces, vertices.size());
   const Points centroids = faceCentroids(vertices, faces);
   const std::vector<double> areas = faceAreas(vertices, faces);
@@ -153,10 +139,8 @@ bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
   }
 }
 
-void
-guidedNormalFilter(const Points& vertices, const MeshFaces& faces, const NormalFilterParams& params,
-                   const Snapshot& tell)
-{
+void guidedNormalFilter(const Points& vertices, const MeshFaces& faces,
+                        const NormalFilterParams& params, const Snapshot& tell) {
   const MeshTopology topology(faces, vertices.size());
   Points made = vertices;
   std::vector<std::uint32_t> near;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws a mesh with interpolated normals (Phong 1975) through a SLIM surface's camera, with the shading and
-// the lines of SLIM surfaces, for comparison: the meshes of the paper's Figures 2 and 11.
+// Draws a mesh with interpolated normals (Phong 1975) through a SLIM surface's camera, with the
+// shading and the lines of SLIM surfaces, for comparison: the meshes of the paper's Figures 2 and
+// 11.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -31,9 +32,7 @@ struct Settings {
 };
 
 /** Means of the normals of the faces about each vertex, weighed by area. */
-Points
-vertexNormals(const Mesh& mesh)
-{
+Points vertexNormals(const Mesh& mesh) {
   Points normals(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const Vector3 area = areaVector(mesh.vertices, mesh.faces[f]);
@@ -45,11 +44,9 @@ vertexNormals(const Mesh& mesh)
   return normals;
 }
 
-/** Derivatives of a mesh's interpolated normals: a symmetric tensor a vertex, the mean of those of the faces
- * about it (Rusinkiewicz 2004). */
-std::vector<Symmetric3<double>>
-vertexBends(const Mesh& mesh, const Points& normals)
-{
+/** Derivatives of a mesh's interpolated normals: a symmetric tensor a vertex, the mean of those of
+ * the faces about it (Rusinkiewicz 2004). */
+std::vector<Symmetric3<double>> vertexBends(const Mesh& mesh, const Points& normals) {
   std::vector<Symmetric3<double>> bends(mesh.vertices.size());
   std::vector<int> faces(mesh.vertices.size(), 0);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -91,14 +88,12 @@ struct Triangle {
 class MeshRasterizer {
  public:
   MeshRasterizer(const SLIMSurface& surface, const Camera& camera, unsigned columns)
-      : rays_(camera, surface.info.origin, surface.info.scale), leaf_(middleLeaf(surface))
-  {
+      : rays_(camera, surface.info.origin, surface.info.scale), leaf_(middleLeaf(surface)) {
     radius_ = surface.radius[leaf_];
     buffer_.resize(camera.size.width, camera.size.height, columns);
   }
 
-  void draw(const Triangle& triangle)
-  {
+  void draw(const Triangle& triangle) {
     const auto& p = triangle.corner;
     const Vector3 middle = scaled(along(along(p[0], 1, p[1]), 1, p[2]), 1.0 / 3);
     double radius = 0;
@@ -113,8 +108,7 @@ class MeshRasterizer {
 
  private:
   /** Where a pixel's ray meets a triangle (Moeller and Trumbore 1997). */
-  void meet(const Triangle& triangle, int x, int y)
-  {
+  void meet(const Triangle& triangle, int x, int y) {
     const detail::Ray ray = rays_.ray(x, y);
     const auto& p = triangle.corner;
     const Vector3 e1 = subtract(p[1], p[0]), e2 = subtract(p[2], p[0]);
@@ -139,8 +133,7 @@ class MeshRasterizer {
     }
   }
 
-  void store(std::size_t pixel, double t, const Vector3& point, const Vector3& normal)
-  {
+  void store(std::size_t pixel, double t, const Vector3& point, const Vector3& normal) {
     buffer_.depth[pixel] = static_cast<float>(t);
     buffer_.surfel[pixel] = leaf_;
     if (!buffer_.radius.empty()) buffer_.radius[pixel] = radius_;
@@ -152,8 +145,7 @@ class MeshRasterizer {
   }
 
   /** The leaf of median radius: lines are found at its scale. */
-  static std::uint32_t middleLeaf(const SLIMSurface& surface)
-  {
+  static std::uint32_t middleLeaf(const SLIMSurface& surface) {
     std::vector<std::uint32_t> leaves = surface.leaves();
     const auto middle = leaves.begin() + static_cast<std::ptrdiff_t>(leaves.size() / 2);
     std::nth_element(leaves.begin(), middle, leaves.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -169,9 +161,8 @@ class MeshRasterizer {
 };
 
 /** \brief What the camera sees of a mesh, in the units of a surface. */
-GBuffer
-rasterize(const Mesh& mesh, const Camera& camera, const SLIMSurface& surface, unsigned columns)
-{
+GBuffer rasterize(const Mesh& mesh, const Camera& camera, const SLIMSurface& surface,
+                  unsigned columns) {
   const SurfaceInfo& info = surface.info;
   MeshRasterizer rasterizer(surface, camera, columns);
   const Points normals = vertexNormals(mesh);
@@ -192,9 +183,7 @@ rasterize(const Mesh& mesh, const Camera& camera, const SLIMSurface& surface, un
   return rasterizer.buffer();
 }
 
-Error
-draw(Settings& s)
-{
+Error draw(Settings& s) {
   if (Error error = s.view.parse()) return error;
   const auto mode = shadingModeOf(s.mode);
   const auto mesh = loadMesh(s.mesh);
@@ -225,9 +214,7 @@ draw(Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("phong_picture", "1", "Draws a mesh as a SLIM surface's picture is drawn.");
   options.positional("IN.ply", &s.mesh, "the mesh");

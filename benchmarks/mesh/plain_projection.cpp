@@ -8,9 +8,7 @@ namespace pcl_slim::mesh_bench {
 namespace {
 
 /** Sums of the faces' area vectors around each vertex: the fit wants no unit ones. */
-std::vector<float>
-vertexNormals(const Points& vertices, const MeshFaces& faces)
-{
+std::vector<float> vertexNormals(const Points& vertices, const MeshFaces& faces) {
   Points sums(vertices.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const Vector3 area = areaVector(vertices, faces[f]);
@@ -25,10 +23,8 @@ vertexNormals(const Points& vertices, const MeshFaces& faces)
 
 }  // namespace
 
-Error
-plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int threads,
-                Points& made)
-{
+Error plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int threads,
+                      Points& made) {
   const std::vector<float> normals = vertexNormals(vertices, faces);
   CloudView view;
   view.xyz = vertices.data();

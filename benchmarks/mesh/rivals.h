@@ -15,47 +15,43 @@ struct JonesParams {
   double range = 0.5;  ///< sigma_g: over the heights of planes
 };
 
-Points
-jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& params);
+Points jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& params);
 
-/** \brief Told how far an iterative filter has come, with the mesh as it would be if it ended there. */
+/** \brief Told how far an iterative filter has come, with the mesh as it would be if it ended
+ * there. */
 using Snapshot = std::function<void(int iterations, const Points& vertices)>;
 
-/** \brief Bilateral filter of face normals, local scheme, then vertices that follow them (Zheng, Fu,
- * Au, Tai: Bilateral normal filtering for mesh denoising, TVCG 2011). */
+/** \brief Bilateral filter of face normals, local scheme, then vertices that follow them (Zheng,
+ * Fu, Au, Tai: Bilateral normal filtering for mesh denoising, TVCG 2011). */
 struct NormalFilterParams {
   double range = 0.35;         ///< sigma over differences of normals
   std::vector<int> snapshots;  ///< numbers of iterations to be told of, ascending
   int vertex_iterations = 10;  ///< of the vertex update
 };
 
-void
-bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
-                      const NormalFilterParams& params, const Snapshot& tell);
+void bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
+                           const NormalFilterParams& params, const Snapshot& tell);
 
 /** \brief The same with weights from a guidance: the mean normal of the most consistent patch that
  * holds a face; vertices follow after each iteration (Zhang, Deng, Zhang, Bouaziz, Liu: Guided mesh
  * normal filtering, Pacific Graphics 2015). */
-void
-guidedNormalFilter(const Points& vertices, const MeshFaces& faces, const NormalFilterParams& params,
-                   const Snapshot& tell);
+void guidedNormalFilter(const Points& vertices, const MeshFaces& faces,
+                        const NormalFilterParams& params, const Snapshot& tell);
 
-/** \brief Projects vertices onto the SLIM surface fitted to them, as SLIMProjectionSmoother does. */
-Error
-plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int threads,
-                Points& made);
+/** \brief Projects vertices onto the SLIM surface fitted to them, as SLIMProjectionSmoother does.
+ */
+Error plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int threads,
+                      Points& made);
 
 /** \brief Moves vertices towards given face normals: each by the mean of the steps to the planes
  * through the centroids of its faces (Sun, Rosin, Martin, Langbein: Fast and effective
  * feature-preserving mesh denoising, TVCG 2007). */
-void
-followNormals(const Points& normals, const MeshFaces& faces, const MeshTopology& topology,
-              int iterations, Points& vertices);
+void followNormals(const Points& normals, const MeshFaces& faces, const MeshTopology& topology,
+                   int iterations, Points& vertices);
 
-/** \brief Faces within a distance of a face's centroid, reached over shared corners; the face itself
- * comes first. seen must be as long as the faces and hold no number above f. */
-void
-facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t f, double reach,
-            std::vector<std::uint32_t>& seen, std::vector<std::uint32_t>& found);
+/** \brief Faces within a distance of a face's centroid, reached over shared corners; the face
+ * itself comes first. seen must be as long as the faces and hold no number above f. */
+void facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t f,
+                 double reach, std::vector<std::uint32_t>& seen, std::vector<std::uint32_t>& found);
 
 }  // namespace pcl_slim::mesh_bench

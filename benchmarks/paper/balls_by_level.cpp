@@ -17,12 +17,9 @@ constexpr std::array<double, 3> kInternal = {0.35, 0.5, 0.95}, kLeaf = {1.0, 0.5
 class BallPicture {
  public:
   explicit BallPicture(double scale)
-      : scale_(scale), depth_(kSize * kSize, -1e300), color_(kSize * kSize, {1, 1, 1})
-  {
-  }
+      : scale_(scale), depth_(kSize * kSize, -1e300), color_(kSize * kSize, {1, 1, 1}) {}
 
-  void draw(const Vector3& center, double radius, const std::array<double, 3>& color)
-  {
+  void draw(const Vector3& center, double radius, const std::array<double, 3>& color) {
     const double x0 = kSize / 2.0 + scale_ * center[0], y0 = kSize / 2.0 - scale_ * center[1];
     const double r = scale_ * radius;
     const int high_y = std::min(kSize - 1, static_cast<int>(std::floor(y0 + r)));
@@ -41,8 +38,7 @@ class BallPicture {
     }
   }
 
-  void copyTo(Image& image, int panel) const
-  {
+  void copyTo(Image& image, int panel) const {
     for (std::size_t y = 0; y < kSize; ++y) {
       for (std::size_t x = 0; x < kSize; ++x) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -61,9 +57,7 @@ class BallPicture {
 };
 
 /** A place seen from the front and a little from above; y is up. */
-Vector3
-turned(const SLIMSurface& surface, std::size_t i)
-{
+Vector3 turned(const SLIMSurface& surface, std::size_t i) {
   const double angle = 0.4, x = surface.cx[i] - surface.root_ball[0],
                y = surface.cy[i] - surface.root_ball[1], z = surface.cz[i] - surface.root_ball[2];
   const double front = std::cos(angle) * z + std::sin(angle) * x;
@@ -73,9 +67,7 @@ turned(const SLIMSurface& surface, std::size_t i)
 
 }  // namespace
 
-Error
-ballsByLevel(const StudySettings& settings)
-{
+Error ballsByLevel(const StudySettings& settings) {
   const auto model = loadModel(settings, "stanford_dragon_res2.ply");
   if (!model) return model.error();
   FitParams params;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blending in space, whose zero is looked for along a ray, against averaging intersections along it: as
-// drawings in the plane (Figs. 8, 9), and their cost on a surface (section 3).
+// Blending in space, whose zero is looked for along a ray, against averaging intersections along
+// it: as drawings in the plane (Figs. 8, 9), and their cost on a surface (section 3).
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "paper/svg.h"
 #include "pcl_slim/query/detail/ray_surfel.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::paper {
 
@@ -24,12 +24,10 @@ struct PlaneLeaf {
   Point2 center;
   double turn, radius, c0, c1, c2;  ///< angle of the tangent, coefficients in radii
 
-  double distance(const Point2& p) const
-  {
+  double distance(const Point2& p) const {
     return std::hypot(p[0] - center[0], p[1] - center[1]) / radius;
   }
-  double f(const Point2& p) const
-  {
+  double f(const Point2& p) const {
     const double dx = (p[0] - center[0]) / radius, dy = (p[1] - center[1]) / radius;
     const double u = std::cos(turn) * dx + std::sin(turn) * dy;
     const double w = -std::sin(turn) * dx + std::cos(turn) * dy;
@@ -43,16 +41,12 @@ const std::array<PlaneLeaf, 3> kLeaves = {{{{-0.62, -0.16}, 0.42, 0.62, 0.14, 0.
                                            {{0.66, -0.14}, -0.48, 0.60, 0.22, 0.15, -0.30}}};
 const std::array<const char*, 3> kLeafColors = {"#1f4e9c", "#2a9d8f", "#e9a21b"};
 
-double
-weightAt(double s)
-{
+double weightAt(double s) {
   return s < 1 ? std::pow(1 - s * s, 4) : 0;
 }
 
 /** Blend of the leaves at a place; 0 beyond all of them. */
-double
-blendAt(const Point2& p)
-{
+double blendAt(const Point2& p) {
   double sum = 0, weight = 0;
   for (const PlaneLeaf& leaf : kLeaves) {
     const double w = weightAt(leaf.distance(p));
@@ -64,9 +58,7 @@ blendAt(const Point2& p)
 
 /** A vertical ray from above: the y at which f falls to 0, or nothing (-9). */
 template <typename Function>
-double
-zeroOn(double x, const Function& f)
-{
+double zeroOn(double x, const Function& f) {
   double last = 0;
   for (double y = 0.8; y > -0.9; y -= 0.002) {
     const double value = f(Point2{x, y});
@@ -81,9 +73,7 @@ struct RayHits {
   Point2 first{0, -9}, average{0, -9};
 };
 
-RayHits
-averageOn(double x)
-{
+RayHits averageOn(double x) {
   RayHits hits;
   for (const PlaneLeaf& leaf : kLeaves) {
     const Point2 q = {x, zeroOn(x, [&](const Point2& p) { return leaf.f(p); })};
@@ -105,8 +95,7 @@ averageOn(double x)
 /** A panel with the leaves. */
 class Panel {
  public:
-  Panel(Svg& svg, double left, const std::string& title) : svg_(svg), left_(left)
-  {
+  Panel(Svg& svg, double left, const std::string& title) : svg_(svg), left_(left) {
     svg.text({left + kSide / 2, 26}, "middle", title);
     for (std::size_t k = 0; k < kLeaves.size(); ++k) {
       const PlaneLeaf& leaf = kLeaves[k];
@@ -127,14 +116,12 @@ class Panel {
     }
   }
 
-  Point2 at(const Point2& p) const
-  {
+  Point2 at(const Point2& p) const {
     return {left_ + kSide / 2 + kScale * p[0], 0.4 * kSide - kScale * p[1]};
   }
 
   template <typename HeightAt>
-  void curve(const HeightAt& heightAt, const std::string& style)
-  {
+  void curve(const HeightAt& heightAt, const std::string& style) {
     std::vector<Point2> points;
     for (double x = -1.1; x <= 1.1; x += 0.004) {
       const double y = heightAt(x);
@@ -143,8 +130,7 @@ class Panel {
     svg_.polyline(points, style);
   }
 
-  void ray(double x)
-  {
+  void ray(double x) {
     svg_.line(at({x, 0.85}), at({x, -0.75}), "stroke=\"#222222\" stroke-width=\"1\"");
   }
 
@@ -154,9 +140,7 @@ class Panel {
   double left_;
 };
 
-Error
-drawBlends(const StudySettings& settings)
-{
+Error drawBlends(const StudySettings& settings) {
   constexpr double kRay = 0.4;
   const std::string red = "stroke=\"#d1495b\" stroke-width=\"2.6\"";
   const auto inSpace = [](double x) { return zeroOn(x, blendAt); };
@@ -193,10 +177,9 @@ struct Query {
   std::vector<RaySurfel> leaves;
 };
 
-/** Rays towards points of the cloud, up to 60 degrees off the surfaces' normals, a tenth of L long. */
-std::vector<Query>
-makeQueries(const Fitted& fitted, std::size_t count)
-{
+/** Rays towards points of the cloud, up to 60 degrees off the surfaces' normals, a tenth of L long.
+ */
+std::vector<Query> makeQueries(const Fitted& fitted, std::size_t count) {
   const SLIMSurface& s = fitted.surface;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(-1, 1);
@@ -231,20 +214,15 @@ struct OnRay {
       : f(leaf, approach, ray.direction),
         depth(approach.depth),
         distance_sq(approach.distance_sq),
-        radius(leaf.radius)
-  {
-  }
+        radius(leaf.radius) {}
   double stationOf(double t) const { return (t - depth) / radius; }
-  double weightAtDepth(double t) const
-  {
+  double weightAtDepth(double t) const {
     const double s = stationOf(t);
     return weightAt(std::sqrt(std::min(1.0, distance_sq + s * s)));
   }
 };
 
-std::vector<OnRay>
-onRay(const Query& query)
-{
+std::vector<OnRay> onRay(const Query& query) {
   std::vector<OnRay> leaves;
   for (const RaySurfel& leaf : query.leaves)
     leaves.emplace_back(leaf, Approach(leaf, query.ray), query.ray);
@@ -252,9 +230,7 @@ onRay(const Query& query)
 }
 
 /** Depth by averaging (eq. 6), or infinity. */
-double
-averagedDepth(const Query& query)
-{
+double averagedDepth(const Query& query) {
   const std::vector<OnRay> leaves = onRay(query);
   double first = HUGE_VAL;
   for (std::size_t k = 0; k < leaves.size(); ++k) {
@@ -279,10 +255,9 @@ averagedDepth(const Query& query)
   return weight > 0 ? sum / weight : HUGE_VAL;
 }
 
-/** Depth of the first zero of the blend in space, by steps of a twentieth of a leaf and Illinois' rule. */
-double
-depthInSpace(const Query& query, std::size_t& evaluations)
-{
+/** Depth of the first zero of the blend in space, by steps of a twentieth of a leaf and Illinois'
+ * rule. */
+double depthInSpace(const Query& query, std::size_t& evaluations) {
   const std::vector<OnRay> leaves = onRay(query);
   double step = HUGE_VAL;
   for (const OnRay& leaf : leaves) step = std::min(step, 0.1 * leaf.radius);
@@ -325,9 +300,7 @@ depthInSpace(const Query& query, std::size_t& evaluations)
   return HUGE_VAL;
 }
 
-Error
-addRow(const StudySettings& settings, const Model& model, int degree, Table& table)
-{
+Error addRow(const StudySettings& settings, const Model& model, int degree, Table& table) {
   FitParams params;
   params.degree = degree;
   params.threads = settings.threads;
@@ -361,9 +334,7 @@ addRow(const StudySettings& settings, const Model& model, int degree, Table& tab
 
 }  // namespace
 
-Error
-blendingOnRays(const StudySettings& settings)
-{
+Error blendingOnRays(const StudySettings& settings) {
   if (Error error = drawBlends(settings)) return error;
   Table table("Averaging along rays against the zero of the blend in space (Figs. 8, 9)",
               {"model", "degree", "leaves on the ray", "averaging, us a ray", "in space, us a ray",

@@ -29,9 +29,7 @@ constexpr double kAllowed = 1.02;     ///< times the error of the finest mesh
 constexpr double kFloatBytes = 12.0;  ///< of a point: x, y, z
 
 /** Median and 95th percentile of the angles between two projections' normals, degrees. */
-std::array<double, 2>
-turned(const Projection& before, const Projection& after)
-{
+std::array<double, 2> turned(const Projection& before, const Projection& after) {
   std::vector<double> angles;
   for (std::size_t i = 0; i < before.normal.size(); ++i) {
     const auto &p = before.normal[i], &q = after.normal[i];
@@ -43,9 +41,7 @@ turned(const Projection& before, const Projection& after)
 }
 
 /** RMS distance of a model's points from a mesh, as a share of the diagonal. */
-double
-meshError(const Model& model, const TriangleMesh& mesh, double diagonal)
-{
+double meshError(const Model& model, const TriangleMesh& mesh, double diagonal) {
   const comparison::MeshSurface surface(mesh.vertices, mesh.triangles);
   double sum = 0;
   for (const Vector3& p : model.points) {
@@ -55,10 +51,9 @@ meshError(const Model& model, const TriangleMesh& mesh, double diagonal)
   return std::sqrt(sum / static_cast<double>(model.points.size())) / diagonal;
 }
 
-/** The mesh of fewest triangles that the points are at most kAllowed times as far from as from the finest. */
-Error
-smallestMesh(const Model& model, const Fitted& fitted, int threads, TriangleMesh& best)
-{
+/** The mesh of fewest triangles that the points are at most kAllowed times as far from as from the
+ * finest. */
+Error smallestMesh(const Model& model, const Fitted& fitted, int threads, TriangleMesh& best) {
   MeshParams params;
   params.threads = threads;
   params.min_component_points = 0;
@@ -79,9 +74,7 @@ smallestMesh(const Model& model, const Fitted& fitted, int threads, TriangleMesh
 }
 
 /** A mesh as a binary PLY of floats and 32-bit indices. */
-std::string
-plyOf(const TriangleMesh& mesh)
-{
+std::string plyOf(const TriangleMesh& mesh) {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
                      std::to_string(mesh.vertices.size()) +
                      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
@@ -102,9 +95,8 @@ plyOf(const TriangleMesh& mesh)
   return text;
 }
 
-Error
-addModel(const Model& model, bool compact, bool meshed, const StudySettings& settings, Table& table)
-{
+Error addModel(const Model& model, bool compact, bool meshed, const StudySettings& settings,
+               Table& table) {
   FitParams params;
   params.threads = settings.threads;
   if (compact) params.cover_radius = 1.0;
@@ -145,9 +137,7 @@ addModel(const Model& model, bool compact, bool meshed, const StudySettings& set
 
 }  // namespace
 
-Error
-compactness(const StudySettings& settings)
-{
+Error compactness(const StudySettings& settings) {
   Table table("Bytes of a surface (compactness)",
               {"model", "points", "surfels", "rounding", "bytes", "a surfel", "of float x y z",
                "error / L", "times the error", "normals, median, degrees", "95th percentile"});

@@ -2,19 +2,18 @@
 // What a frame costs by the number of primitives, of rays, and by degree (section 4).
 #include <cmath>
 
-#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::paper {
 
 namespace {
 
 /** Milliseconds of a frame, the median of nine, and its counts. */
-Result<double>
-frameTime(SurfaceRenderer& renderer, int size, int threads, RenderStatistics& counts)
-{
+Result<double> frameTime(SurfaceRenderer& renderer, int size, int threads,
+                         RenderStatistics& counts) {
   const BoundingSpheres object = spheresOf(renderer.surface());
   Camera camera = fitCamera(object, chooseView(object), {size, size});
   RenderParams params;
@@ -33,9 +32,7 @@ frameTime(SurfaceRenderer& renderer, int size, int threads, RenderStatistics& co
 
 }  // namespace
 
-Error
-costOfRays(const StudySettings& settings)
-{
+Error costOfRays(const StudySettings& settings) {
   const auto model = loadModel(settings, "stanford_dragon_res2.ply");
   if (!model) return model.error();
   Table table("CPU milliseconds a frame of the dragon, one thread (section 4)",

@@ -16,9 +16,7 @@ constexpr double kExtraFloats =
     3;  ///< of an ellipsoid: aspect ratios and a direction, beside a ball
 
 /** Points of a cylinder of radius 1 and height 6, with exact normals and noise. */
-Model
-cylinderModel(std::size_t count, double noise)
-{
+Model cylinderModel(std::size_t count, double noise) {
   Model model;
   model.name = "cylinder";
   std::mt19937_64 random(7);
@@ -33,9 +31,7 @@ cylinderModel(std::size_t count, double noise)
   return model;
 }
 
-double
-diagonalOf(const Model& model)
-{
+double diagonalOf(const Model& model) {
   Vector3 low = model.points.front(), high = low;
   for (const Vector3& p : model.points) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -46,9 +42,7 @@ diagonalOf(const Model& model)
   return length(subtract(high, low));
 }
 
-Model
-stretched(const Model& model, std::size_t axis, double factor)
-{
+Model stretched(const Model& model, std::size_t axis, double factor) {
   Model made = model;
   for (Vector3& p : made.points) p[axis] *= factor;
   for (std::size_t i = 0; i < made.normals.size(); i += 3) {
@@ -60,10 +54,9 @@ stretched(const Model& model, std::size_t axis, double factor)
   return made;
 }
 
-/** RMS distance of the points from the surface's tangent planes, measured where nothing is stretched. */
-double
-errorUnstretched(const Fitted& fitted, std::size_t axis, double factor)
-{
+/** RMS distance of the points from the surface's tangent planes, measured where nothing is
+ * stretched. */
+double errorUnstretched(const Fitted& fitted, std::size_t axis, double factor) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < fitted.store.size(); ++i) {
@@ -80,10 +73,8 @@ errorUnstretched(const Fitted& fitted, std::size_t axis, double factor)
   return fitted.store.scale() * std::sqrt(sum / static_cast<double>(count));
 }
 
-Error
-sweepStretched(const Model& model, std::size_t axis, double factor, double least, int threads,
-               LeafSweep& sweep)
-{
+Error sweepStretched(const Model& model, std::size_t axis, double factor, double least, int threads,
+                     LeafSweep& sweep) {
   const Model made = stretched(model, axis, factor);
   for (int i = 0; i < 14; ++i) {
     FitParams params;
@@ -102,10 +93,8 @@ sweepStretched(const Model& model, std::size_t axis, double factor, double least
 }
 
 /** Leaves at equal error with every ball stretched alike along one axis. */
-Error
-addStretched(const Model& model, std::size_t axis, const std::vector<double>& errors,
-             const StudySettings& settings, Table& table)
-{
+Error addStretched(const Model& model, std::size_t axis, const std::vector<double>& errors,
+                   const StudySettings& settings, Table& table) {
   std::vector<LeafSweep> sweeps;
   const std::vector<double> supports = {0.5, 1, 1.5, 2, 4};
   for (const double support : supports) {
@@ -133,9 +122,7 @@ struct Terms {
 };
 
 /** The terms over an ellipse of the unit disc's area, brought back to a disc: u, v by matrix m. */
-Terms
-mapped(const Terms& terms, double aspect, double angle)
-{
+Terms mapped(const Terms& terms, double aspect, double angle) {
   const double a = std::sqrt(aspect), c = std::cos(angle), s = std::sin(angle);
   const std::array<double, 2> u = {c * a, -s / a}, v = {s * a, c / a};
   const auto times = [](const std::vector<double>& p, const std::array<double, 2>& q) {
@@ -160,12 +147,10 @@ mapped(const Terms& terms, double aspect, double angle)
   return made;
 }
 
-/** Mean squares of what the best quadric leaves of the terms over the unit disc: cubic, quartic part. In
- * polar harmonics r^3 cos 3t has 1/8, (r^3 - 2/3 r) cos t 1/72, r^4 cos 4t 1/10, (r^4 - 3/4 r^2) cos 2t
- * 1/160 and r^4 - r^2 + 1/6 1/180. */
-std::array<double, 2>
-leftByQuadric(const Terms& t)
-{
+/** Mean squares of what the best quadric leaves of the terms over the unit disc: cubic, quartic
+ * part. In polar harmonics r^3 cos 3t has 1/8, (r^3 - 2/3 r) cos t 1/72, r^4 cos 4t 1/10, (r^4 -
+ * 3/4 r^2) cos 2t 1/160 and r^4 - r^2 + 1/6 1/180. */
+std::array<double, 2> leftByQuadric(const Terms& t) {
   const auto& c = t.cubic;
   const auto& q = t.quartic;
   const auto squares = [](double x, double y) { return x * x + y * y; };
@@ -178,9 +163,7 @@ leftByQuadric(const Terms& t)
 }
 
 /** How much larger the ellipse may be than the disc for the same residual, at most four times. */
-double
-areaGained(const Terms& terms, double aspect, double angle)
-{
+double areaGained(const Terms& terms, double aspect, double angle) {
   const auto disc = leftByQuadric(terms), ellipse = leftByQuadric(mapped(terms, aspect, angle));
   double low = 0.05, high = 4;
   for (int step = 0; step < 40; ++step) {
@@ -192,9 +175,7 @@ areaGained(const Terms& terms, double aspect, double angle)
 }
 
 /** Aspect and angle of the ellipse that gains most. */
-std::array<double, 2>
-bestEllipse(const Terms& terms)
-{
+std::array<double, 2> bestEllipse(const Terms& terms) {
   std::array<double, 2> best = {1, 0};
   double most = 1;
   for (const double aspect : {1.25, 1.5, 2.0, 2.5, 3.0, 4.0}) {
@@ -209,9 +190,7 @@ bestEllipse(const Terms& terms)
 }
 
 /** Terms of the quartic that fits the rows first, first + stride, ... of u, v, w best. */
-Terms
-fitTerms(const std::vector<Vector3>& points, std::size_t first, std::size_t stride)
-{
+Terms fitTerms(const std::vector<Vector3>& points, std::size_t first, std::size_t stride) {
   const auto rows = static_cast<Eigen::Index>((points.size() - first + stride - 1) / stride);
   Eigen::MatrixXd powers(rows, 15);
   Eigen::VectorXd heights(rows);
@@ -233,9 +212,7 @@ fitTerms(const std::vector<Vector3>& points, std::size_t first, std::size_t stri
 }
 
 /** The points in a leaf's ball, in its frame and in radii. */
-std::vector<Vector3>
-pointsOf(const Fitted& fitted, std::uint32_t leaf)
-{
+std::vector<Vector3> pointsOf(const Fitted& fitted, std::uint32_t leaf) {
   const SLIMSurface& s = fitted.surface;
   const Vector3 center = {s.cx[leaf], s.cy[leaf], s.cz[leaf]};
   const Vector3 w = {s.nx[leaf], s.ny[leaf], s.nz[leaf]};
@@ -250,10 +227,9 @@ pointsOf(const Fitted& fitted, std::uint32_t leaf)
   return made;
 }
 
-/** What each leaf's own best ellipse gains, by all of its points, and by half of them as judged by the rest. */
-Error
-addLeaves(const Model& model, double t_mdl, const StudySettings& settings, Table& table)
-{
+/** What each leaf's own best ellipse gains, by all of its points, and by half of them as judged by
+ * the rest. */
+Error addLeaves(const Model& model, double t_mdl, const StudySettings& settings, Table& table) {
   FitParams params;
   params.degree = kDegree;
   params.threads = settings.threads;
@@ -298,9 +274,7 @@ addLeaves(const Model& model, double t_mdl, const StudySettings& settings, Table
 
 }  // namespace
 
-Error
-ellipsoidalSupports(const StudySettings& settings)
-{
+Error ellipsoidalSupports(const StudySettings& settings) {
   std::vector<Model> models = {cylinderModel(100000, 0.002)};
   for (const char* file :
        {"terrain_isprs_csite1_utm.pcd", "lone_star_geyser_tls.pcd", "armadillo_50k.ply",
@@ -323,7 +297,8 @@ ellipsoidalSupports(const StudySettings& settings)
       {"model", "axis", "error / L", "half as long", "balls", "1.5 times", "2 times", "4 times"});
   models.front() = cylinderModel(100000, 0);
   for (const std::size_t which : {0, 1, 3, 4}) {
-    // The cylinder's axis and the terrain's heights; which axis does best is not known of the others.
+    // The cylinder's axis and the terrain's heights; which axis does best is not known of the
+    // others.
     for (const std::size_t axis : {2, 1, 0}) {
       if (axis != 2 && which < 3) continue;
       const auto errors = which == 0 ? std::vector{1e-5, 5e-5} : std::vector{3e-4, 1e-3};

@@ -19,9 +19,7 @@ constexpr double kLeastRadius = 0.004, kGreatestRadius = 0.1;  ///< of the diago
 constexpr double kThreshold = 0.01;                            ///< T_MDL
 
 /** The spline-patched Gaussian of the weights. */
-double
-gaussianLike(double d)
-{
+double gaussianLike(double d) {
   if (d < 0.5) return std::exp(-8 * d * d);
   return d < 1 ? 16 * std::exp(-2.0) * std::pow(1 - d, 4) : 0;
 }
@@ -31,9 +29,7 @@ struct Samples {
   std::vector<Eigen::Vector3d> points, normals;
 };
 
-Samples
-samplesOf(const Model& model)
-{
+Samples samplesOf(const Model& model) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
   for (const Vector3& p : model.points) {
     const Eigen::Map<const Eigen::Vector3d> q(p.data());
@@ -51,10 +47,9 @@ samplesOf(const Model& model)
   return made;
 }
 
-/** Squared local error eps(r)^2 of a polynomial of this degree, 1 or 2; negative: too few points. */
-double
-squaredError(const Samples& samples, const Eigen::Vector3d& c, double r, int degree)
-{
+/** Squared local error eps(r)^2 of a polynomial of this degree, 1 or 2; negative: too few points.
+ */
+double squaredError(const Samples& samples, const Eigen::Vector3d& c, double r, int degree) {
   std::vector<std::size_t> inside;
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
@@ -83,10 +78,9 @@ squaredError(const Samples& samples, const Eigen::Vector3d& c, double r, int deg
   return r * r * (weight.array() * (h - a * fit).array().square()).sum() / weight.sum();
 }
 
-/** The paper's lambda: the mean smallest eigenvalue of the covariance of a point and its ten nearest. */
-double
-noiseVariance(const Samples& samples)
-{
+/** The paper's lambda: the mean smallest eigenvalue of the covariance of a point and its ten
+ * nearest. */
+double noiseVariance(const Samples& samples) {
   double sum = 0;
   constexpr std::size_t kProbes = 400;
   const std::size_t n = samples.points.size();
@@ -112,9 +106,7 @@ noiseVariance(const Samples& samples)
 
 /** Places by kind: the least residual of a plane; a large one that a quadratic takes away; the 95th
  * percentile of what a quadratic leaves. */
-std::vector<std::size_t>
-choosePlaces(const Samples& samples)
-{
+std::vector<std::size_t> choosePlaces(const Samples& samples) {
   constexpr std::size_t kCandidates = 300;
   constexpr double kRadius = 0.05;
   struct Candidate {
@@ -143,14 +135,12 @@ choosePlaces(const Samples& samples)
 struct Curves {
   std::vector<double> r, e, energy;
 
-  std::size_t minimum() const
-  {
+  std::size_t minimum() const {
     return static_cast<std::size_t>(std::min_element(energy.begin(), energy.end()) -
                                     energy.begin());
   }
   /** Inner minima of the energy, as the bracket rule (4) may meet them. */
-  int minima() const
-  {
+  int minima() const {
     int count = 0;
     for (std::size_t i = 1; i + 1 < energy.size(); ++i) {
       count += energy[i] < energy[i - 1] && energy[i] < energy[i + 1];
@@ -158,8 +148,7 @@ struct Curves {
     return count;
   }
   /** How high the energy rises between two of its minima, as a factor; 1: there is but one. */
-  double rise() const
-  {
+  double rise() const {
     double most = 1;
     for (std::size_t top = 1; top + 1 < energy.size(); ++top) {
       const auto at = energy.begin() + static_cast<std::ptrdiff_t>(top);
@@ -171,9 +160,7 @@ struct Curves {
   }
 };
 
-Curves
-curvesAt(const Samples& samples, const Eigen::Vector3d& c, double lambda)
-{
+Curves curvesAt(const Samples& samples, const Eigen::Vector3d& c, double lambda) {
   Curves made;
   for (int i = 0; i < kRadii; ++i) {
     const double r = kLeastRadius * std::pow(kGreatestRadius / kLeastRadius, i / (kRadii - 1.0));
@@ -187,9 +174,7 @@ curvesAt(const Samples& samples, const Eigen::Vector3d& c, double lambda)
 }
 
 /** The vertex of those looked at where the energy's minima are parted best. */
-std::size_t
-placeOfTwoMinima(const Samples& samples, double lambda)
-{
+std::size_t placeOfTwoMinima(const Samples& samples, double lambda) {
   constexpr std::size_t kCandidates = 250;
   std::size_t best = 0;
   double most = 0;
@@ -204,9 +189,7 @@ placeOfTwoMinima(const Samples& samples, double lambda)
 
 }  // namespace
 
-Error
-energyCurves(const StudySettings& settings)
-{
+Error energyCurves(const StudySettings& settings) {
   const auto model = loadModel(settings, "stanford_dragon_res2.ply");
   if (!model) return model.error();
   const Samples samples = samplesOf(*model);

@@ -2,10 +2,10 @@
 // Times and counts of fits at the paper's T (Table 1).
 #include <cstdio>
 
-#include "support/lab/bench.h"
-#include "support/lab/scenes.h"
 #include "paper/study.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::paper {
 
@@ -32,9 +32,7 @@ constexpr Row kRows[] = {
 };
 
 /** Folder and file of a row's points; those that are made are written to the folder of tables. */
-Result<StudySettings>
-placeOf(const StudySettings& settings, const Row& row, std::string& file)
-{
+Result<StudySettings> placeOf(const StudySettings& settings, const Row& row, std::string& file) {
   StudySettings place = settings;
   if (row.file != nullptr) {
     file = row.file;
@@ -55,9 +53,7 @@ placeOf(const StudySettings& settings, const Row& row, std::string& file)
 
 }  // namespace
 
-Error
-fitTimes(const StudySettings& settings)
-{
+Error fitTimes(const StudySettings& settings) {
   Table table(
       "Fits at the paper's T, store and fit, CPU seconds, " + std::to_string(settings.threads) +
           " thread(s) (Table 1)",

@@ -16,9 +16,7 @@ struct Capsule {
   double from, to;  ///< radii at the ends
 };
 
-const std::vector<Capsule>&
-bones()
-{
+const std::vector<Capsule>& bones() {
   static const std::vector<Capsule> kBones = {
       {{0.0, -0.35, 0.0}, {0.0, 0.15, 0.0}, 0.17, 0.2},       // wrist and palm
       {{-0.16, -0.1, 0.0}, {-0.17, 0.25, 0.02}, 0.13, 0.11},  // edge of the hand
@@ -32,27 +30,21 @@ bones()
   return kBones;
 }
 
-double
-distanceTo(const Capsule& capsule, const Vector3& p)
-{
+double distanceTo(const Capsule& capsule, const Vector3& p) {
   const Vector3 axis = subtract(capsule.b, capsule.a), from = subtract(p, capsule.a);
   const double t = std::clamp(dot(from, axis) / dot(axis, axis), 0.0, 1.0);
   return length(along(from, -t, axis)) - (capsule.from + t * (capsule.to - capsule.from));
 }
 
 /** Negative inside; a soft minimum, so that fingers grow out of the palm. */
-double
-handFunction(const Vector3& p)
-{
+double handFunction(const Vector3& p) {
   constexpr double kSoftness = 0.025;
   double sum = 0;
   for (const Capsule& bone : bones()) sum += std::exp(-distanceTo(bone, p) / kSoftness);
   return -kSoftness * std::log(sum);
 }
 
-Vector3
-gradientAt(const Vector3& p)
-{
+Vector3 gradientAt(const Vector3& p) {
   constexpr double kStep = 1e-5;
   Vector3 g{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -66,9 +58,7 @@ gradientAt(const Vector3& p)
 
 }  // namespace
 
-Model
-handModel(std::size_t count)
-{
+Model handModel(std::size_t count) {
   Model model;
   model.name = "hand-like";
   std::mt19937_64 random(11);
@@ -89,9 +79,7 @@ handModel(std::size_t count)
   return model;
 }
 
-Error
-savePoints(const Model& model, const std::string& path)
-{
+Error savePoints(const Model& model, const std::string& path) {
   std::string text =
       "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(model.points.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
@@ -108,9 +96,7 @@ savePoints(const Model& model, const std::string& path)
   return writeFile(path, text.data(), text.size());
 }
 
-Error
-saveHand(const StudySettings& settings)
-{
+Error saveHand(const StudySettings& settings) {
   return savePoints(handModel(100000), settings.out + "/hand.ply");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The intervals in which radii are looked for, with the radii found (Fig. 5), and the tree of balls in a slice
-// of a surface (Fig. 6), both of fits by the paper's rules.
+// The intervals in which radii are looked for, with the radii found (Fig. 5), and the tree of balls
+// in a slice of a surface (Fig. 6), both of fits by the paper's rules.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -16,22 +16,16 @@ constexpr double kGolden = 0.6180339887498949;
 const std::array<const char*, 6> kColors = {"#1f4e9c", "#2a9d8f", "#e9a21b",
                                             "#d1495b", "#7b4fa3", "#555555"};
 
-std::string
-fill(const std::string& color, double opacity = 1.0)
-{
+std::string fill(const std::string& color, double opacity = 1.0) {
   return "fill=\"" + color + "\" fill-opacity=\"" + number("%.2f", opacity) + "\"";
 }
 
-std::string
-stroke(const std::string& color, double width, double opacity = 1.0)
-{
+std::string stroke(const std::string& color, double width, double opacity = 1.0) {
   return "stroke=\"" + color + "\" stroke-width=\"" + number("%.2f", width) +
          "\" stroke-opacity=\"" + number("%.2f", opacity) + "\"";
 }
 
-Result<Fitted>
-paperFit(const StudySettings& settings, const char* file, double threshold)
-{
+Result<Fitted> paperFit(const StudySettings& settings, const char* file, double threshold) {
   const auto model = loadModel(settings, file);
   if (!model) return model.error();
   FitParams params;
@@ -42,10 +36,9 @@ paperFit(const StudySettings& settings, const char* file, double threshold)
   return fitModel(*model, params);
 }
 
-/** One level of Fig. 5: its interval as a bar, its leaves' radii as dots. \return leaves inside it */
-std::size_t
-drawLevel(const SLIMSurface& s, int level, double top, double height, Svg& svg)
-{
+/** One level of Fig. 5: its interval as a bar, its leaves' radii as dots. \return leaves inside it
+ */
+std::size_t drawLevel(const SLIMSurface& s, int level, double top, double height, Svg& svg) {
   constexpr double kLeft = 90, kDecade = 560;
   const auto x = [](double r) { return kLeft + kDecade * (std::log10(r) + 2.5) / 1.5; };
   const double high = 0.1 * std::pow(kGolden, level - 1), low = kGolden * kGolden * high;
@@ -72,9 +65,7 @@ drawLevel(const SLIMSurface& s, int level, double top, double height, Svg& svg)
 
 }  // namespace
 
-Error
-radiusIntervals(const StudySettings& settings)
-{
+Error radiusIntervals(const StudySettings& settings) {
   const auto fitted = paperFit(settings, "stanford_dragon_res2.ply", 0.01);
   if (!fitted) return fitted.error();
   const SLIMSurface& s = fitted->surface;
@@ -111,8 +102,7 @@ struct Slice {
   std::vector<std::uint32_t> balls;
   Point2 middle{};
 
-  explicit Slice(const SLIMSurface& surface) : s(surface)
-  {
+  explicit Slice(const SLIMSurface& surface) : s(surface) {
     const float z = s.root_ball[2] + 0.02f;
     for (std::uint32_t i = 0; i < s.size(); ++i) {
       if (std::abs(s.cz[i] - z) < 0.008f) balls.push_back(i);
@@ -123,22 +113,17 @@ struct Slice {
     }
   }
 
-  double angle(std::uint32_t i) const
-  {
+  double angle(std::uint32_t i) const {
     return std::atan2(s.cy[i] - middle[1], s.cx[i] - middle[0]);
   }
 };
 
-std::string
-colorOf(const SLIMSurface& s, std::uint32_t i)
-{
+std::string colorOf(const SLIMSurface& s, std::uint32_t i) {
   return kColors[static_cast<std::size_t>(s.level[i] - 1) % kColors.size()];
 }
 
 /** The balls as discs, coarse ones below. */
-void
-drawBalls(const Slice& slice, const Point2& at, double scale, Svg& svg)
-{
+void drawBalls(const Slice& slice, const Point2& at, double scale, Svg& svg) {
   const SLIMSurface& s = slice.s;
   const int levels = *std::max_element(s.level.begin(), s.level.end());
   for (int level = 1; level <= levels; ++level) {
@@ -156,9 +141,7 @@ drawBalls(const Slice& slice, const Point2& at, double scale, Svg& svg)
 }
 
 /** The levels as rows of nodes around the slice, with the links between them. \return links */
-std::size_t
-drawTree(const Slice& slice, const Point2& corner, double width, double row, Svg& svg)
-{
+std::size_t drawTree(const Slice& slice, const Point2& corner, double width, double row, Svg& svg) {
   const SLIMSurface& s = slice.s;
   const auto place = [&](std::uint32_t i) {
     return Point2{corner[0] + width * (0.5 - slice.angle(i) / (2 * 3.14159265358979)),
@@ -194,9 +177,7 @@ drawTree(const Slice& slice, const Point2& corner, double width, double row, Svg
 
 }  // namespace
 
-Error
-treeOfBalls(const StudySettings& settings)
-{
+Error treeOfBalls(const StudySettings& settings) {
   const auto fitted = paperFit(settings, "stanford_bunny_zipper.ply", 0.05);
   if (!fitted) return fitted.error();
   const Slice slice(fitted->surface);

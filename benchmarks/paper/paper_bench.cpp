@@ -38,9 +38,7 @@ constexpr Study kStudies[] = {
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   StudySettings settings;
   std::string figure = "all";
   OptionTable options("paper_bench", "1", "Remakes figures and tables of the SLIM paper.");

@@ -2,15 +2,16 @@
 // Shading along parabolic lines, where one curvature is 0, by degree at equal numbers of floats.
 #include <cmath>
 
-#include "support/lab/scenes.h"
 #include "paper/study.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::paper {
 
 namespace {
 
 /** RMS errors of normals, degrees, and of mean curvature, near the circles of a torus where its
- * Gaussian curvature vanishes, and elsewhere; and how far off the line is where the surface's does. */
+ * Gaussian curvature vanishes, and elsewhere; and how far off the line is where the surface's does.
+ */
 struct Errors {
   double normal[2] = {0, 0}, curvature[2] = {0, 0};
   double offset = 0;  ///< RMS, radii of the tube
@@ -18,16 +19,12 @@ struct Errors {
 
 constexpr double kNear = 0.1;  ///< half the height of the band, in radii of the tube
 
-bool
-byParabolicLine(const measure::Truth& truth)
-{
+bool byParabolicLine(const measure::Truth& truth) {
   // The parabolic circles lie where the normal is the torus' axis.
   return std::abs(truth.normal[2]) > std::sqrt(1 - kNear * kNear);
 }
 
-Errors
-errorsOf(const Fitted& fitted)
-{
+Errors errorsOf(const Fitted& fitted) {
   Errors errors;
   double count[2] = {0, 0};
   for (std::size_t i = 0; i < fitted.store.size(); ++i) {
@@ -61,9 +58,7 @@ errorsOf(const Fitted& fitted)
 
 }  // namespace
 
-Error
-parabolicLines(const StudySettings& settings)
-{
+Error parabolicLines(const StudySettings& settings) {
   constexpr int kFloats = 14000;
   const measure::Scene scene = measure::makeScene(measure::Shape::kTorus, 100000, 0, 0, 7);
   Model model;

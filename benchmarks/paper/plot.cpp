@@ -16,14 +16,12 @@ constexpr double kWidth = 300, kHeight = 240, kLeft = 62, kTop = 26, kBottom = 4
 struct Axis {
   double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
 
-  void take(double value)
-  {
+  void take(double value) {
     if (!(value > 0)) return;
     low = std::min(low, std::log10(value));
     high = std::max(high, std::log10(value));
   }
-  void pad()
-  {
+  void pad() {
     const double margin = std::max(0.05, 0.05 * (high - low));
     low -= margin;
     high += margin;
@@ -31,24 +29,18 @@ struct Axis {
   double share(double value) const { return (std::log10(value) - low) / (high - low); }
 };
 
-std::string
-textAt(double x, double y, const std::string& anchor, const std::string& text)
-{
+std::string textAt(double x, double y, const std::string& anchor, const std::string& text) {
   return "<text x=\"" + number("%.1f", x) + "\" y=\"" + number("%.1f", y) + "\" text-anchor=\"" +
          anchor + "\">" + text + "</text>\n";
 }
 
-std::string
-lineBetween(double x1, double y1, double x2, double y2, const std::string& color)
-{
+std::string lineBetween(double x1, double y1, double x2, double y2, const std::string& color) {
   return "<line x1=\"" + number("%.1f", x1) + "\" y1=\"" + number("%.1f", y1) + "\" x2=\"" +
          number("%.1f", x2) + "\" y2=\"" + number("%.1f", y2) + "\" stroke=\"" + color + "\"/>\n";
 }
 
 /** Lines and labels at 1, 2 and 5 times the powers of ten. */
-std::string
-grid(const Axis& axis, bool horizontal, double left)
-{
+std::string grid(const Axis& axis, bool horizontal, double left) {
   std::string made;
   for (double power = std::floor(axis.low); power <= axis.high; ++power) {
     for (const double digit : {1.0, 2.0, 5.0}) {
@@ -69,9 +61,7 @@ grid(const Axis& axis, bool horizontal, double left)
   return made;
 }
 
-std::string
-curveText(const Curve& curve, const Axis& x, const Axis& y, double left)
-{
+std::string curveText(const Curve& curve, const Axis& x, const Axis& y, double left) {
   if (curve.x.size() == 1) {
     return "<circle r=\"4\" fill=\"" + curve.color + "\" cx=\"" +
            number("%.1f\" cy=\"", left + x.share(curve.x[0]) * kWidth) +
@@ -89,11 +79,9 @@ curveText(const Curve& curve, const Axis& x, const Axis& y, double left)
 
 }  // namespace
 
-Error
-savePlot(const std::string& path, const std::vector<std::string>& titles,
-         const std::vector<std::vector<Curve>>& panels, const std::string& x_label,
-         const std::string& y_label)
-{
+Error savePlot(const std::string& path, const std::vector<std::string>& titles,
+               const std::vector<std::vector<Curve>>& panels, const std::string& x_label,
+               const std::string& y_label) {
   Axis x, y;
   for (const auto& panel : panels) {
     for (const Curve& curve : panel) {

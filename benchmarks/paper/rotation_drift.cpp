@@ -10,17 +10,13 @@ namespace pcl_slim::paper {
 namespace {
 
 /** Turns by 33 degrees about an axis askew. */
-Vector3
-turned(const Vector3& v, double sign)
-{
+Vector3 turned(const Vector3& v, double sign) {
   const Vector3 axis = normalized({0.36, 0.48, 0.8});
   const double angle = sign * 33 * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
   return along(along(scaled(v, c), s, cross(axis, v)), (1 - c) * dot(axis, v), axis);
 }
 
-Model
-turnedModel(const Model& model)
-{
+Model turnedModel(const Model& model) {
   Model made = model;
   for (Vector3& p : made.points) p = turned(p, 1);
   for (std::size_t i = 0; i < made.normals.size(); i += 3) {
@@ -37,9 +33,7 @@ struct Placed {
   bool supported = false;
 };
 
-std::vector<Placed>
-placed(const Fitted& fitted)
-{
+std::vector<Placed> placed(const Fitted& fitted) {
   const auto stored = fitted.store.storeOfInput();
   std::vector<Placed> made(stored.size());
   for (std::size_t i = 0; i < stored.size(); ++i) {
@@ -54,11 +48,10 @@ placed(const Fitted& fitted)
   return made;
 }
 
-/** Differences between two runs: RMS of positions over a length, median angle, median of relative mean
- * curvature. */
-std::vector<std::string>
-differences(const std::vector<Placed>& a, const std::vector<Placed>& b, double diagonal)
-{
+/** Differences between two runs: RMS of positions over a length, median angle, median of relative
+ * mean curvature. */
+std::vector<std::string> differences(const std::vector<Placed>& a, const std::vector<Placed>& b,
+                                     double diagonal) {
   double sum = 0;
   std::vector<double> angles, curvatures, sizes;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -81,9 +74,7 @@ differences(const std::vector<Placed>& a, const std::vector<Placed>& b, double d
 
 }  // namespace
 
-Error
-rotationDrift(const StudySettings& settings)
-{
+Error rotationDrift(const StudySettings& settings) {
   Table table("What turning the points by 33 degrees changes (section 3)",
               {"model", "fit", "degree", "error of the fit / L", "positions, RMS / L",
                "normals, median, degrees", "mean curvature, median of its median"});

@@ -12,9 +12,7 @@ namespace {
 constexpr double kErrors[] = {1e-4, 3e-4};
 constexpr double kLeastError = 0.7e-4;
 
-Error
-sweepModel(const Model& model, int degree, bool paper, int threads, LeafSweep& sweep)
-{
+Error sweepModel(const Model& model, int degree, bool paper, int threads, LeafSweep& sweep) {
   std::vector<double> settings;
   for (int i = 0; i < 15; ++i) {
     // The paper's T, or the penalty's noise level: both go down by halves.
@@ -42,24 +40,18 @@ sweepModel(const Model& model, int degree, bool paper, int threads, LeafSweep& s
   return {};
 }
 
-std::string
-thousands(double value)
-{
+std::string thousands(double value) {
   return number("%.1fK", value / 1000);
 }
 
-std::string
-cellOf(const LeafSweep& sweep, int degree, double error)
-{
+std::string cellOf(const LeafSweep& sweep, int degree, double error) {
   const double leaves = sweep.leavesAt(error);
   if (leaves < 0) return sweep.error.front() < error ? "below at once" : "out of reach";
   return thousands(leaves * floatsOf(degree)) + " (" + thousands(leaves) + ")";
 }
 
-Error
-addModel(const StudySettings& settings, const Model& model, bool paper, Table& table,
-         std::vector<Curve>& panel)
-{
+Error addModel(const StudySettings& settings, const Model& model, bool paper, Table& table,
+               std::vector<Curve>& panel) {
   const char* const kColors[] = {"", "#999", "#36c", "#c33", "#393"};
   const char* const kNames[] = {"", "linear", "quadratic", "cubic", "quartic"};
   std::vector<std::vector<std::string>> rows;
@@ -82,9 +74,7 @@ addModel(const StudySettings& settings, const Model& model, bool paper, Table& t
 }
 
 /** The paper's figures for its own hand, as dots. */
-void
-addPapersHand(std::vector<Curve>& panel)
-{
+void addPapersHand(std::vector<Curve>& panel) {
   panel.push_back({"dots: the paper's hand", "#999", {37.8e3}, {1e-4}});
   panel.push_back({"", "#36c", {22.8e3}, {1e-4}});
   panel.push_back({"", "#c33", {20.8e3}, {1e-4}});
@@ -92,9 +82,7 @@ addPapersHand(std::vector<Curve>& panel)
 
 }  // namespace
 
-Error
-sparsity(const StudySettings& settings)
-{
+Error sparsity(const StudySettings& settings) {
   std::vector<Model> models = {handModel(100000)};
   for (const char* file :
        {"stanford_bunny_zipper.ply", "armadillo_50k.ply", "stanford_dragon_res2.ply"}) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scans with gaps as quadratic leaves and as a plain QSplat (Fig. 18, below): half of the points makes both, the
-// other half, as far as it is seen, measures them.
+// Scans with gaps as quadratic leaves and as a plain QSplat (Fig. 18, below): half of the points
+// makes both, the other half, as far as it is seen, measures them.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
-#include "support/lab/bench.h"
 #include "paper/study.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/render/auto_view.h"
@@ -15,6 +14,7 @@
 #include "pcl_slim/render/shading.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "qsplat/qsplat.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::paper {
 namespace {
@@ -28,7 +28,8 @@ constexpr double kInside = 0.75, kNear = 3.0;  ///< [spacings] surely data, and 
 constexpr double kSameSheet = 4.0;  ///< [spacings] off a point that a pixel shows another sheet
 constexpr double kFloatsOfDisc = 7, kFloatsOfQuadric = 12;
 
-/** A scan seen by one camera. Its points are discs whose radius is their spacing; they face the camera. */
+/** A scan seen by one camera. Its points are discs whose radius is their spacing; they face the
+ * camera. */
 struct Scan {
   std::vector<Splat> points;  ///< world units; those of even index make the pictures
   Camera camera;
@@ -36,9 +37,7 @@ struct Scan {
 };
 
 /** Eigenvector of the least eigenvalue of some points' covariance. */
-Vector3
-planeNormal(const PointStore& store, const std::vector<std::uint32_t>& points)
-{
+Vector3 planeNormal(const PointStore& store, const std::vector<std::uint32_t>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   const auto at = [&](std::uint32_t i) { return Eigen::Vector3d(store.position(i).data()); };
@@ -49,9 +48,7 @@ planeNormal(const PointStore& store, const std::vector<std::uint32_t>& points)
   return {n.x(), n.y(), n.z()};
 }
 
-Scan
-seenFrom(const PointStore& store, const Camera& camera)
-{
+Scan seenFrom(const PointStore& store, const Camera& camera) {
   Scan scan;
   scan.camera = camera;
   NeighborSearch search(store);
@@ -71,10 +68,9 @@ seenFrom(const PointStore& store, const Camera& camera)
   return scan;
 }
 
-/** Means of the points of each cell of a grid, as discs that hold a cell: equal ones, as QSplat's. */
-std::vector<Splat>
-cellDiscs(const std::vector<Splat>& points, double cell)
-{
+/** Means of the points of each cell of a grid, as discs that hold a cell: equal ones, as QSplat's.
+ */
+std::vector<Splat> cellDiscs(const std::vector<Splat>& points, double cell) {
   std::map<std::array<std::int64_t, 3>, std::pair<Splat, double>> cells;
   for (std::size_t i = 0; i < points.size(); i += 2) {
     std::array<std::int64_t, 3> key{};
@@ -96,9 +92,7 @@ cellDiscs(const std::vector<Splat>& points, double cell)
 }
 
 /** As many of them as wanted, within some of a hundred. */
-std::vector<Splat>
-discsOf(const Scan& scan, double wanted)
-{
+std::vector<Splat> discsOf(const Scan& scan, double wanted) {
   double low = 0.1 * scan.spacing, high = 100 * scan.spacing;
   for (int step = 0; step < 30; ++step) {
     const double middle = std::sqrt(low * high);
@@ -110,9 +104,7 @@ discsOf(const Scan& scan, double wanted)
 }
 
 /** A frame in world units. */
-GBuffer
-frameOf(const std::vector<Splat>& discs, const Camera& camera)
-{
+GBuffer frameOf(const std::vector<Splat>& discs, const Camera& camera) {
   GBuffer frame;
   frame.resize(kSize, kSize, kPositionColumn);
   QSplat(discs).draw(detail::CameraRays(camera, {0, 0, 0}, 1.0), frame);
@@ -120,17 +112,13 @@ frameOf(const std::vector<Splat>& discs, const Camera& camera)
 }
 
 /** The scan's points as discs of some spacings. */
-GBuffer
-pointsFrame(const Scan& scan, double spacings)
-{
+GBuffer pointsFrame(const Scan& scan, double spacings) {
   std::vector<Splat> discs = scan.points;
   for (Splat& disc : discs) disc.radius *= spacings;
   return frameOf(discs, scan.camera);
 }
 
-Result<GBuffer>
-frameOf(const SLIMSurface& surface, const Camera& camera, bool trim)
-{
+Result<GBuffer> frameOf(const SLIMSurface& surface, const Camera& camera, bool trim) {
   RenderParams params;
   params.columns = kPositionColumn;
   params.trim = trim;
@@ -153,10 +141,9 @@ struct Masks {
   GBuffer inside, near;
 };
 
-/** The row's cells behind the counts: distance and angle of withheld points, and what is open and filled. */
-std::vector<std::string>
-measured(const Scan& scan, const Masks& masks, const GBuffer& frame)
-{
+/** The row's cells behind the counts: distance and angle of withheld points, and what is open and
+ * filled. */
+std::vector<std::string> measured(const Scan& scan, const Masks& masks, const GBuffer& frame) {
   const detail::CameraRays rays(scan.camera, {0, 0, 0}, 1.0);
   double sum = 0;
   std::vector<double> angles;
@@ -208,10 +195,8 @@ constexpr Subject kSubjects[] = {
     {"stanford_bunny_raw_scans.pcd", nullptr, {}},
 };
 
-Error
-savePicture(const StudySettings& settings, const Subject& subject, const char* name,
-            const GBuffer& frame, const Camera& camera)
-{
+Error savePicture(const StudySettings& settings, const Subject& subject, const char* name,
+                  const GBuffer& frame, const Camera& camera) {
   if (!subject.picture) return {};
   ShadingParams shading;
   shading.ambient_occlusion = 0;
@@ -221,9 +206,7 @@ savePicture(const StudySettings& settings, const Subject& subject, const char* n
   return saveImage(settings.out + "/fig18_" + name + ".png", *image);
 }
 
-Camera
-cameraOf(const Subject& subject, const SLIMSurface& surface)
-{
+Camera cameraOf(const Subject& subject, const SLIMSurface& surface) {
   const BoundingSpheres object = spheresOf(surface);
   Camera camera = fitCamera(object, chooseView(object), {kSize, kSize});
   if (subject.view[9] == 0) return camera;
@@ -237,9 +220,7 @@ cameraOf(const Subject& subject, const SLIMSurface& surface)
 }
 
 /** The points of even index as a model of their own. */
-Model
-halfOf(const PointStore& store, const std::string& name)
-{
+Model halfOf(const PointStore& store, const std::string& name) {
   Model half;
   half.name = name;
   for (std::size_t i = 0; i < store.size(); i += 2) {
@@ -251,9 +232,7 @@ halfOf(const PointStore& store, const std::string& name)
   return half;
 }
 
-Error
-compare(const StudySettings& settings, const Subject& subject, Table& table)
-{
+Error compare(const StudySettings& settings, const Subject& subject, Table& table) {
   const auto model = loadModel(settings, subject.file);
   if (!model) return model.error();
   const auto store = PointStore::build(model->view(), settings.threads);
@@ -297,9 +276,7 @@ compare(const StudySettings& settings, const Subject& subject, Table& table)
 
 }  // namespace
 
-Error
-splatsBeside(const StudySettings& settings)
-{
+Error splatsBeside(const StudySettings& settings) {
   Table table(
       "Scans with gaps as quadratic leaves and as QSplat, made of every other point (Fig. 18)",
       {"scan", "drawn as", "primitives", "floats", "off the other points, spacings, RMS",

@@ -5,15 +5,13 @@
 #include <cstdio>
 #include <cstring>
 
-#include "support/lab/bench.h"
 #include "pcl_slim/core/file_access.h"
 #include "scan/cloud_file.h"
+#include "support/lab/bench.h"
 
 namespace pcl_slim::paper {
 
-CloudView
-Model::view() const
-{
+CloudView Model::view() const {
   CloudView made;
   made.xyz = points.data();
   made.xyz_stride = sizeof(Vector3);
@@ -25,9 +23,7 @@ Model::view() const
   return made;
 }
 
-Result<Model>
-loadModel(const StudySettings& settings, const std::string& file)
-{
+Result<Model> loadModel(const StudySettings& settings, const std::string& file) {
   const auto cloud = loadCloudFile(settings.data + "/" + file);
   if (!cloud) return cloud.error();
   const CloudView view = cloud->view();
@@ -53,9 +49,7 @@ loadModel(const StudySettings& settings, const std::string& file)
   return model;
 }
 
-Result<Fitted>
-fitModel(const Model& model, const FitParams& params)
-{
+Result<Fitted> fitModel(const Model& model, const FitParams& params) {
   Fitted made;
   const double begin = measure::cpuSeconds();
   auto store = PointStore::build(model.view(), params.threads);
@@ -70,9 +64,7 @@ fitModel(const Model& model, const FitParams& params)
   return made;
 }
 
-double
-projectionError(const Fitted& fitted)
-{
+double projectionError(const Fitted& fitted) {
   double sum = 0;
   for (std::size_t i = 0; i < fitted.store.size(); ++i) {
     const Vector3 step = subtract(fitted.projection.position[i], fitted.store.position(i));
@@ -81,16 +73,12 @@ projectionError(const Fitted& fitted)
   return std::sqrt(sum / static_cast<double>(fitted.store.size())) / fitted.store.diagonal();
 }
 
-int
-floatsOf(int degree)
-{
+int floatsOf(int degree) {
   constexpr int kFloats[] = {0, 7, 12, 16, 21};
   return kFloats[degree];
 }
 
-double
-LeafSweep::leavesAt(double wanted) const
-{
+double LeafSweep::leavesAt(double wanted) const {
   for (std::size_t i = 0; i + 1 < error.size(); ++i) {
     if (error[i] < wanted || error[i + 1] > wanted || error[i] == error[i + 1]) continue;
     const double share = std::log(error[i] / wanted) / std::log(error[i] / error[i + 1]);
@@ -99,23 +87,18 @@ LeafSweep::leavesAt(double wanted) const
   return -1;
 }
 
-std::string
-number(const char* format, double value)
-{
+std::string number(const char* format, double value) {
   char text[64];
   std::snprintf(text, sizeof(text), format, value);
   return text;
 }
 
-Table::Table(std::string title, std::vector<std::string> columns) : text_("# " + title + "\n\n")
-{
+Table::Table(std::string title, std::vector<std::string> columns) : text_("# " + title + "\n\n") {
   row(columns);
   row(std::vector<std::string>(columns.size(), "---"));
 }
 
-void
-Table::row(const std::vector<std::string>& cells)
-{
+void Table::row(const std::vector<std::string>& cells) {
   std::string line = "|";
   for (const std::string& cell : cells) line += " " + cell + " |";
   std::printf("%s\n", line.c_str());
@@ -123,9 +106,7 @@ Table::row(const std::vector<std::string>& cells)
   text_ += line + "\n";
 }
 
-Error
-Table::save(const StudySettings& settings, const std::string& name) const
-{
+Error Table::save(const StudySettings& settings, const std::string& name) const {
   return writeFile(settings.out + "/" + name + ".md", text_.data(), text_.size());
 }
 

@@ -9,9 +9,7 @@ namespace pcl_slim::bench {
 namespace {
 
 /** Cuts a range in two along the longest side of its box. \return where. */
-std::size_t
-cut(std::vector<Splat>& splats, std::size_t begin, std::size_t end)
-{
+std::size_t cut(std::vector<Splat>& splats, std::size_t begin, std::size_t end) {
   Vector3 low = splats[begin].center, high = low;
   for (std::size_t i = begin; i < end; ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -32,14 +30,11 @@ cut(std::vector<Splat>& splats, std::size_t begin, std::size_t end)
 
 }  // namespace
 
-QSplat::QSplat(std::vector<Splat> splats)
-{
+QSplat::QSplat(std::vector<Splat> splats) {
   if (!splats.empty()) root_ = build(splats, 0, splats.size());
 }
 
-std::uint32_t
-QSplat::build(std::vector<Splat>& splats, std::size_t begin, std::size_t end)
-{
+std::uint32_t QSplat::build(std::vector<Splat>& splats, std::size_t begin, std::size_t end) {
   Node node{splats[begin], 1.0, 0, 0};
   if (end - begin > 1) {
     // Four children a node, as the paper's average.
@@ -78,9 +73,7 @@ QSplat::build(std::vector<Splat>& splats, std::size_t begin, std::size_t end)
   return static_cast<std::uint32_t>(nodes_.size() - 1);
 }
 
-bool
-QSplat::isHidden(const detail::CameraRays& rays, const Node& node) const
-{
+bool QSplat::isHidden(const detail::CameraRays& rays, const Node& node) const {
   if (rays.pixelsOfBall(node.sphere.center, node.sphere.radius).empty()) return true;
   if (node.cosine < 0.0) return false;
   const double open =
@@ -89,10 +82,8 @@ QSplat::isHidden(const detail::CameraRays& rays, const Node& node) const
          dot(node.sphere.normal, rays.directionTo(node.sphere.center)) > std::sin(open);
 }
 
-void
-QSplat::drawDisc(const detail::CameraRays& rays, const Splat& disc, std::uint32_t id,
-                 GBuffer& buffer)
-{
+void QSplat::drawDisc(const detail::CameraRays& rays, const Splat& disc, std::uint32_t id,
+                      GBuffer& buffer) {
   const detail::PixelRect rect = rays.pixelsOfBall(disc.center, disc.radius);
   for (int y = rect.y0; y <= rect.y1; ++y) {
     for (int x = rect.x0; x <= rect.x1; ++x) {
@@ -114,9 +105,7 @@ QSplat::drawDisc(const detail::CameraRays& rays, const Splat& disc, std::uint32_
   }
 }
 
-std::size_t
-QSplat::draw(const detail::CameraRays& rays, GBuffer& buffer) const
-{
+std::size_t QSplat::draw(const detail::CameraRays& rays, GBuffer& buffer) const {
   std::size_t drawn = 0;
   std::vector<std::uint32_t> stack;
   if (!nodes_.empty()) stack.push_back(root_);

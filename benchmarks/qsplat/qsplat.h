@@ -25,8 +25,8 @@ class QSplat {
   /** O(n log n). */
   explicit QSplat(std::vector<Splat> splats);
 
-  /** \brief Draws into a cleared buffer with columns position, depth, normal and surfel. \return discs
-   * drawn. */
+  /** \brief Draws into a cleared buffer with columns position, depth, normal and surfel. \return
+   * discs drawn. */
   std::size_t draw(const detail::CameraRays& rays, GBuffer& buffer) const;
 
  private:

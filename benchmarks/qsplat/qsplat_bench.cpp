@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One row of a table: a SLIM surface fitted to the generated surface of rays_model, and a plain QSplat of
-// as many points of that surface, drawn with the same camera and lights; each beside the picture that the
-// surface's formula gives.
+// One row of a table: a SLIM surface fitted to the generated surface of rays_model, and a plain
+// QSplat of as many points of that surface, drawn with the same camera and lights; each beside the
+// picture that the surface's formula gives.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/render/shading.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "qsplat/qsplat.h"
 #include "rays/generated_surface.h"
+#include "support/lab/bench.h"
 
 using namespace pcl_slim;
 using namespace pcl_slim::bench;
@@ -28,9 +28,7 @@ struct Settings {
   double zoom = 1.0, per_leaf = 1.0;
 };
 
-Camera
-cameraOf(const Settings& s)
-{
+Camera cameraOf(const Settings& s) {
   Camera camera;
   camera.position = {1.6, -3.6, 1.4};
   camera.fov = 36.0 / s.zoom;
@@ -41,9 +39,7 @@ cameraOf(const Settings& s)
 
 /** Depth of the formula's surface on a ray; infinity where it is missed. Steps are a quarter of the
  * finest wave, so that none is stepped over. */
-double
-exactDepth(const detail::Ray& ray)
-{
+double exactDepth(const detail::Ray& ray) {
   constexpr double kOutside = 1.3, kStep = 0.004;
   const double middle = -dot(ray.origin, ray.direction);
   const double half_sq = kOutside * kOutside - (dot(ray.origin, ray.origin) - middle * middle);
@@ -65,9 +61,7 @@ exactDepth(const detail::Ray& ray)
   return HUGE_VAL;
 }
 
-GBuffer
-exactFrame(const Settings& s, const detail::CameraRays& rays)
-{
+GBuffer exactFrame(const Settings& s, const detail::CameraRays& rays) {
   GBuffer buffer;
   buffer.resize(s.size, s.size, kPositionColumn);
   parallelFor(static_cast<std::size_t>(s.size), s.threads, 1, [&](std::size_t y, int) {
@@ -88,11 +82,9 @@ exactFrame(const Settings& s, const detail::CameraRays& rays)
   return buffer;
 }
 
-/** Points of the formula's surface; radii reach to the farther neighbours of a hexagonal lattice that is
- * stretched as the surface is there, so that discs overlap without holes. */
-std::vector<Splat>
-splatsOf(std::size_t count)
-{
+/** Points of the formula's surface; radii reach to the farther neighbours of a hexagonal lattice
+ * that is stretched as the surface is there, so that discs overlap without holes. */
+std::vector<Splat> splatsOf(std::size_t count) {
   std::vector<Splat> splats(count);
   const double cell = std::sqrt(4.0 * std::acos(-1.0) / static_cast<double>(count));
   for (std::size_t i = 0; i < count; ++i) {
@@ -110,8 +102,7 @@ struct Deviation {
   std::size_t coverage = 0;
 
   Deviation(const GBuffer& frame, const Image& picture, const GBuffer& exact, const Image& right,
-            double scale)
-  {
+            double scale) {
     double depth_sq = 0.0, angle_sq = 0.0, shade_sq = 0.0, n = 0.0;
     for (std::size_t i = 0; i < exact.numPixels(); ++i) {
       coverage += frame.covered(i) != exact.covered(i);
@@ -138,17 +129,13 @@ struct Deviation {
   }
 };
 
-void
-printRow(const char* name, std::size_t primitives, double seconds, const Deviation& d)
-{
+void printRow(const char* name, std::size_t primitives, double seconds, const Deviation& d) {
   constexpr double kDiagonal = 4.0;  // of the surface's box, within 2 %
   std::printf("| %s | %zu | %.1e | %.2f | %.2f | %zu | %.0f |\n", name, primitives,
               d.depth / kDiagonal, d.normal, d.shade, d.coverage, 1e3 * seconds);
 }
 
-int
-run(const Settings& s)
-{
+int run(const Settings& s) {
   const auto surface = loadSlim(s.surface);
   if (!surface) {
     std::fprintf(stderr, "qsplat_bench: %s\n", surface.error().message.c_str());
@@ -197,9 +184,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("qsplat_bench", "", "A SLIM surface and a plain QSplat of as many points.");
   table.positional("SURFACE.slim", &s.surface, "fit of rays_model's points");

@@ -3,9 +3,7 @@
 
 namespace pcl_slim::bench {
 
-std::unique_ptr<EmbreeTree>
-embreeTree(const SLIMSurface&, int)
-{
+std::unique_ptr<EmbreeTree> embreeTree(const SLIMSurface&, int) {
   return nullptr;
 }
 

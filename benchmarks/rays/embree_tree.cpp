@@ -31,8 +31,7 @@ struct Leaves {
   double shrink = 0.0;
 
   /** First root of a leaf on a ray before a depth. */
-  double root(std::size_t i, const Context& context) const
-  {
+  double root(std::size_t i, const Context& context) const {
     const RaySurfel& surfel = surfels[i];
     const Ray& ray = context.ray->ray;
     const Approach approach(surfel, ray);
@@ -53,9 +52,7 @@ struct Leaves {
   }
 };
 
-void
-bounds(const RTCBoundsFunctionArguments* args)
-{
+void bounds(const RTCBoundsFunctionArguments* args) {
   const Box& box = static_cast<const Leaves*>(args->geometryUserPtr)->boxes[args->primID];
   constexpr float kRoom = 2e-6f;  // as RayScene's boxes: rays start in single precision
   RTCBounds& out = *args->bounds_o;
@@ -67,9 +64,7 @@ bounds(const RTCBoundsFunctionArguments* args)
   out.upper_z = box.high[2] + kRoom;
 }
 
-void
-intersect(const RTCIntersectFunctionNArguments* args)
-{
+void intersect(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   Context& context = *reinterpret_cast<Context*>(args->context);
   const double depth =
@@ -82,9 +77,7 @@ intersect(const RTCIntersectFunctionNArguments* args)
   hit.hit.primID = args->primID;
 }
 
-void
-occluded(const RTCOccludedFunctionNArguments* args)
-{
+void occluded(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const Context& context = *reinterpret_cast<const Context*>(args->context);
   const double depth =
@@ -96,8 +89,7 @@ occluded(const RTCOccludedFunctionNArguments* args)
 
 class EmbreeLeaves : public EmbreeTree {
  public:
-  EmbreeLeaves(const SLIMSurface& surface, int threads)
-  {
+  EmbreeLeaves(const SLIMSurface& surface, int threads) {
     leaves_.ids = surface.leaves();
     leaves_.shrink = std::clamp(surface.info.cover_radius, 0.05, kMaxShrink);
     for (const std::uint32_t i : leaves_.ids) {
@@ -119,15 +111,13 @@ class EmbreeLeaves : public EmbreeTree {
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_);
   }
-  ~EmbreeLeaves() override
-  {
+  ~EmbreeLeaves() override {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
   }
 
   void first(const std::vector<BoundedRay>& rays, bool front_only, int threads,
-             std::vector<double>& depth) const override
-  {
+             std::vector<double>& depth) const override {
     parallelFor(rays.size(), threads, 256, [&](std::size_t i, int) {
       Context context = contextOf(rays[i], front_only);
       RTCRayHit hit{};
@@ -139,8 +129,7 @@ class EmbreeLeaves : public EmbreeTree {
   }
 
   void any(const std::vector<BoundedRay>& rays, int threads,
-           std::vector<std::uint8_t>& met) const override
-  {
+           std::vector<std::uint8_t>& met) const override {
     parallelFor(rays.size(), threads, 256, [&](std::size_t i, int) {
       Context context = contextOf(rays[i], false);
       RTCRay ray = start(rays[i]);
@@ -150,8 +139,7 @@ class EmbreeLeaves : public EmbreeTree {
   }
 
  private:
-  static Context contextOf(const BoundedRay& ray, bool front_only)
-  {
+  static Context contextOf(const BoundedRay& ray, bool front_only) {
     Context context;
     rtcInitIntersectContext(&context.base);
     context.ray = &ray;
@@ -159,8 +147,7 @@ class EmbreeLeaves : public EmbreeTree {
     return context;
   }
 
-  static RTCRay start(const BoundedRay& ray)
-  {
+  static RTCRay start(const BoundedRay& ray) {
     RTCRay out{};
     out.org_x = static_cast<float>(ray.ray.origin[0]);
     out.org_y = static_cast<float>(ray.ray.origin[1]);
@@ -180,9 +167,7 @@ class EmbreeLeaves : public EmbreeTree {
 
 }  // namespace
 
-std::unique_ptr<EmbreeTree>
-embreeTree(const SLIMSurface& surface, int threads)
-{
+std::unique_ptr<EmbreeTree> embreeTree(const SLIMSurface& surface, int threads) {
   return std::make_unique<EmbreeLeaves>(surface, threads);
 }
 

@@ -9,8 +9,8 @@
 
 namespace pcl_slim::bench {
 
-/** \brief Leaves under Embree's tree, as user geometry: the same boxes and rules as RayScene's, a leaf
- * at a time. */
+/** \brief Leaves under Embree's tree, as user geometry: the same boxes and rules as RayScene's, a
+ * leaf at a time. */
 class EmbreeTree {
  public:
   virtual ~EmbreeTree() = default;
@@ -24,7 +24,6 @@ class EmbreeTree {
 };
 
 /** \brief Null in a build without Embree. */
-std::unique_ptr<EmbreeTree>
-embreeTree(const SLIMSurface& surface, int threads);
+std::unique_ptr<EmbreeTree> embreeTree(const SLIMSurface& surface, int threads);
 
 }  // namespace pcl_slim::bench

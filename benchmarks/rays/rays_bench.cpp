@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What traced frames cost, whether they meet what the rasteriser meets, whether any pixel inside the
-// picture of the object met nothing, and how Embree's tree does in place of our own.
+// What traced frames cost, whether they meet what the rasteriser meets, whether any pixel inside
+// the picture of the object met nothing, and how Embree's tree does in place of our own.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,13 +10,13 @@
 #include "camera/camera_rays.h"
 #include "common/options.h"
 #include "embree_tree.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/render/traced_picture.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/lab/bench.h"
 #include "support/lab/reference/reference_renderer.h"
 
 using namespace pcl_slim;
@@ -38,9 +38,7 @@ struct Seconds {
 };
 
 template <typename Run>
-Seconds
-timed(int repeat, const Run& run)
-{
+Seconds timed(int repeat, const Run& run) {
   std::vector<double> wall, cpu;
   for (int i = 0; i < repeat; ++i) {
     const double wall_start = wallSeconds(), cpu_start = cpuSeconds();
@@ -51,18 +49,14 @@ timed(int repeat, const Run& run)
   return {median(wall), median(cpu)};
 }
 
-void
-print(const char* what, const Seconds& seconds, double rays)
-{
+void print(const char* what, const Seconds& seconds, double rays) {
   std::printf("  %-34s %7.2f s wall, %7.2f s CPU, %6.2f us CPU a ray\n", what, seconds.wall,
               seconds.cpu, 1e6 * seconds.cpu / std::max(1.0, rays));
 }
 
 /** Pixels that met nothing in groups that do not reach the picture's rim: holes of the object, or
  * gaps. \return their number and the number of pixels in groups of at most four. */
-std::pair<std::size_t, std::size_t>
-holesOf(const GBuffer& buffer)
-{
+std::pair<std::size_t, std::size_t> holesOf(const GBuffer& buffer) {
   std::vector<std::uint8_t> seen(buffer.numPixels(), 0);
   std::size_t all = 0, small = 0;
   for (std::size_t start = 0; start < seen.size(); ++start) {
@@ -91,9 +85,7 @@ holesOf(const GBuffer& buffer)
 }
 
 /** Pixels that differ from the reference rasteriser, lengths in local units. */
-void
-printDifference(const GBuffer& traced, const GBuffer& reference, double diagonal)
-{
+void printDifference(const GBuffer& traced, const GBuffer& reference, double diagonal) {
   std::size_t both = 0, coverage = 0, beyond = 0;
   double worst = 0.0, sum_sq = 0.0;
   for (std::size_t i = 0; i < traced.numPixels(); ++i) {
@@ -113,9 +105,7 @@ printDifference(const GBuffer& traced, const GBuffer& reference, double diagonal
       both, coverage, beyond, std::sqrt(sum_sq / within), worst);
 }
 
-TraceParams
-paramsOf(const Settings& s, const Camera& camera, bool lit)
-{
+TraceParams paramsOf(const Settings& s, const Camera& camera, bool lit) {
   TraceParams params;
   params.threads = s.threads;
   params.columns = kPositionColumn;
@@ -124,9 +114,7 @@ paramsOf(const Settings& s, const Camera& camera, bool lit)
   return params;
 }
 
-void
-printFrames(const Settings& s, RayTracer& tracer, const Camera& camera, GBuffer& buffer)
-{
+void printFrames(const Settings& s, RayTracer& tracer, const Camera& camera, GBuffer& buffer) {
   LightBuffer light;
   TraceStatistics counts;
   const auto frame = [&](const char* what, const TraceParams& params) {
@@ -159,9 +147,7 @@ printFrames(const Settings& s, RayTracer& tracer, const Camera& camera, GBuffer&
   frame("two lights with shadows", paramsOf(s, camera, true));
 }
 
-std::vector<detail::BoundedRay>
-cameraRays(const SLIMSurface& surface, const Camera& camera)
-{
+std::vector<detail::BoundedRay> cameraRays(const SLIMSurface& surface, const Camera& camera) {
   const detail::CameraRays rays(camera, surface.info.origin, surface.info.scale);
   std::vector<detail::BoundedRay> all;
   for (int y = 0; y < camera.size.height; ++y) {
@@ -170,9 +156,8 @@ cameraRays(const SLIMSurface& surface, const Camera& camera)
   return all;
 }
 
-std::vector<detail::BoundedRay>
-shadowRays(const SLIMSurface& surface, const Camera& camera, const GBuffer& buffer)
-{
+std::vector<detail::BoundedRay> shadowRays(const SLIMSurface& surface, const Camera& camera,
+                                           const GBuffer& buffer) {
   std::vector<detail::BoundedRay> all;
   for (const RayLight& light : defaultLights(camera)) {
     for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
@@ -191,10 +176,8 @@ shadowRays(const SLIMSurface& surface, const Camera& camera, const GBuffer& buff
 }
 
 /** Our tree and Embree's with the same rays and the same rules, q^ alone. */
-void
-printTrees(const Settings& s, const SLIMSurface& surface, const Camera& camera,
-           const GBuffer& buffer)
-{
+void printTrees(const Settings& s, const SLIMSurface& surface, const Camera& camera,
+                const GBuffer& buffer) {
   const double start = wallSeconds();
   const auto other = bench::embreeTree(surface, s.threads);
   if (!other) return;
@@ -249,9 +232,7 @@ printTrees(const Settings& s, const SLIMSurface& surface, const Camera& camera,
               own.size(), differ_met, own_met.size());
 }
 
-int
-run(const Settings& s)
-{
+int run(const Settings& s) {
   const auto surface = loadSlim(s.surface);
   if (!surface) {
     std::fprintf(stderr, "rays_bench: %s\n", surface.error().message.c_str());
@@ -282,9 +263,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("rays_bench", "", "Seconds a traced frame, and Embree's tree beside our own.");
   table.positional("SURFACE.slim", &s.surface, "surface of pcl_slim_fit");

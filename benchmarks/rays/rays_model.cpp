@@ -17,9 +17,7 @@ using bench::generatedDirection;
 using bench::generatedNormal;
 using bench::generatedPoint;
 
-int
-write(const std::string& path, std::size_t count, int threads)
-{
+int write(const std::string& path, std::size_t count, int threads) {
   std::vector<float> values(6 * count);
   parallelFor(count, resolveThreads(threads), 4096, [&](std::size_t i, int) {
     const Vector3 d = generatedDirection(i, count), p = generatedPoint(d), n = generatedNormal(d);
@@ -41,9 +39,7 @@ write(const std::string& path, std::size_t count, int threads)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string path;
   int count = 3000000, threads = 0;
   OptionTable table("rays_model", "", "Writes a finely sampled surface with normals.");

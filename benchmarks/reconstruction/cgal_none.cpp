@@ -4,15 +4,11 @@
 
 namespace pcl_slim::reconstruction_bench {
 
-bool
-hasCgal()
-{
+bool hasCgal() {
   return false;
 }
 
-Error
-cgalPoisson(const measure::Scene&, double, TriangleMesh&)
-{
+Error cgalPoisson(const measure::Scene&, double, TriangleMesh&) {
   return badInput("this build has no CGAL; install libcgal-dev");
 }
 

@@ -14,15 +14,11 @@ namespace pcl_slim::reconstruction_bench {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using PointWithNormal = std::pair<Kernel::Point_3, Kernel::Vector_3>;
 
-bool
-hasCgal()
-{
+bool hasCgal() {
   return true;
 }
 
-Error
-cgalPoisson(const measure::Scene& scene, double spacing, TriangleMesh& mesh)
-{
+Error cgalPoisson(const measure::Scene& scene, double spacing, TriangleMesh& mesh) {
   std::vector<PointWithNormal> points;
   for (std::size_t i = 0; i < scene.points.size(); i += 3) {
     points.emplace_back(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Meshes of exact scenes beside their truth: SLIM's, pcl::Poisson's, pcl::GreedyProjectionTriangulation's and,
-// where CGAL is installed, its Poisson reconstruction's.
+// Meshes of exact scenes beside their truth: SLIM's, pcl::Poisson's,
+// pcl::GreedyProjectionTriangulation's and, where CGAL is installed, its Poisson reconstruction's.
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
-#include "support/lab/mesh_error.h"
-#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "reconstruction/rivals.h"
+#include "support/lab/bench.h"
+#include "support/lab/mesh_error.h"
+#include "support/lab/scenes.h"
 
 namespace {
 
@@ -29,18 +29,14 @@ struct Settings {
   bool rivals = true, normals = true;
 };
 
-std::vector<std::string>
-splitList(const std::string& text)
-{
+std::vector<std::string> splitList(const std::string& text) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
   for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
   return parts;
 }
 
-std::string
-percent(double share)
-{
+std::string percent(double share) {
   char text[32];
   std::snprintf(text, sizeof(text), "%g %%", 100 * share);
   return text;
@@ -48,9 +44,7 @@ percent(double share)
 
 using Method = std::function<Error(const measure::Scene&, TriangleMesh&)>;
 
-Error
-slim(const Settings& s, const measure::Scene& scene, TriangleMesh& mesh)
-{
+Error slim(const Settings& s, const measure::Scene& scene, TriangleMesh& mesh) {
   const auto store = PointStore::build(measure::viewOf(scene, nullptr, s.normals), s.threads);
   if (!store) return store.error();
   FitParams fit;
@@ -63,10 +57,8 @@ slim(const Settings& s, const measure::Scene& scene, TriangleMesh& mesh)
   return extractMesh(surface, params, mesh);
 }
 
-void
-printRow(const std::string& name, const Method& method, measure::Shape shape,
-         const measure::Scene& scene)
-{
+void printRow(const std::string& name, const Method& method, measure::Shape shape,
+              const measure::Scene& scene) {
   TriangleMesh mesh;
   const measure::MemoryGauge memory;
   const double start = measure::cpuSeconds();
@@ -86,9 +78,7 @@ printRow(const std::string& name, const Method& method, measure::Shape shape,
   std::fflush(stdout);
 }
 
-void
-printScene(const Settings& s, measure::Shape shape, const std::string& name, double noise)
-{
+void printScene(const Settings& s, measure::Shape shape, const std::string& name, double noise) {
   const auto count = static_cast<std::size_t>(s.points);
   const measure::Scene scene = measure::makeScene(shape, count, noise, 0, 7);
   const std::string row = name + " " + percent(noise) + ", ";
@@ -112,9 +102,7 @@ printScene(const Settings& s, measure::Shape shape, const std::string& name, dou
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("reconstruction_bench", "1", "Meshes of exact scenes beside their truth.");
   options.text("shapes", &s.shapes, "A,B", "sphere, torus, bumpy, relief");

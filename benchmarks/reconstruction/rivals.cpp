@@ -14,9 +14,7 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
-Cloud::Ptr
-cloudOf(const measure::Scene& scene)
-{
+Cloud::Ptr cloudOf(const measure::Scene& scene) {
   Cloud::Ptr cloud(new Cloud);
   for (std::size_t i = 0; i < scene.points.size(); i += 3) {
     pcl::PointNormal p;
@@ -30,9 +28,7 @@ cloudOf(const measure::Scene& scene)
 }
 
 /** Vertices get the normals of the triangles about them. */
-Error
-adopt(const pcl::PolygonMesh& from, TriangleMesh& mesh)
-{
+Error adopt(const pcl::PolygonMesh& from, TriangleMesh& mesh) {
   pcl::PointCloud<pcl::PointXYZ> points;
   pcl::fromPCLPointCloud2(from.cloud, points);
   mesh.clear();
@@ -60,9 +56,7 @@ adopt(const pcl::PolygonMesh& from, TriangleMesh& mesh)
 
 }  // namespace
 
-Error
-poisson(const measure::Scene& scene, int depth, TriangleMesh& mesh)
-{
+Error poisson(const measure::Scene& scene, int depth, TriangleMesh& mesh) {
   pcl::Poisson<pcl::PointNormal> poisson;
   poisson.setDepth(depth);
   poisson.setInputCloud(cloudOf(scene));
@@ -71,9 +65,7 @@ poisson(const measure::Scene& scene, int depth, TriangleMesh& mesh)
   return adopt(made, mesh);
 }
 
-Error
-greedyProjection(const measure::Scene& scene, double spacing, TriangleMesh& mesh)
-{
+Error greedyProjection(const measure::Scene& scene, double spacing, TriangleMesh& mesh) {
   pcl::GreedyProjectionTriangulation<pcl::PointNormal> greedy;
   const Cloud::Ptr cloud = cloudOf(scene);
   const pcl::search::KdTree<pcl::PointNormal>::Ptr tree(new pcl::search::KdTree<pcl::PointNormal>);

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A mesh file beside the scan it was made of, and beside the true mesh where there is one: how far it reaches
-// beyond the points, which points it leaves out, and how far its triangles are from the truth.
+// A mesh file beside the scan it was made of, and beside the true mesh where there is one: how far
+// it reaches beyond the points, which points it leaves out, and how far its triangles are from the
+// truth.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
-#include "comparison/mesh_surface.h"
 #include "borders/drawn_area.h"
 #include "common/options.h"
-#include "support/lab/bench.h"
+#include "comparison/mesh_surface.h"
 #include "mesh/bench_mesh.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -32,9 +33,7 @@ constexpr int kMostParts = 64;
 
 /** Calls use(place, area) for places spread over a triangle no farther apart than step. */
 template <typename Use>
-void
-forPlaces(const Mesh& mesh, IndexRow corners, double step, const Use& use)
-{
+void forPlaces(const Mesh& mesh, IndexRow corners, double step, const Use& use) {
   const Vector3 a = mesh.vertices[corners[0]];
   const Vector3 u = subtract(mesh.vertices[corners[1]], a);
   const Vector3 v = subtract(mesh.vertices[corners[2]], a);
@@ -51,9 +50,7 @@ forPlaces(const Mesh& mesh, IndexRow corners, double step, const Use& use)
   }
 }
 
-comparison::MeshSurface
-surfaceOf(const Mesh& mesh)
-{
+comparison::MeshSurface surfaceOf(const Mesh& mesh) {
   std::vector<comparison::MeshSurface::Triangle> triangles;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     for (std::size_t k = 2; k < mesh.faces[f].size(); ++k) {
@@ -64,9 +61,7 @@ surfaceOf(const Mesh& mesh)
 }
 
 /** Distances from one mesh to another, in the unit given. */
-void
-printDistances(const char* name, const Mesh& from, const Mesh& to, double unit)
-{
+void printDistances(const char* name, const Mesh& from, const Mesh& to, double unit) {
   const comparison::MeshSurface surface = surfaceOf(to);
   double squares = 0, total = 0, most = 0;
   for (std::size_t f = 0; f < from.faces.size(); ++f) {
@@ -81,9 +76,7 @@ printDistances(const char* name, const Mesh& from, const Mesh& to, double unit)
 }
 
 /** Distances of the truth's sharp edges (40 degrees and more) from the mesh. */
-void
-printSharpEdges(const Mesh& truth, const Mesh& mesh, double unit)
-{
+void printSharpEdges(const Mesh& truth, const Mesh& mesh, double unit) {
   const comparison::MeshSurface surface = surfaceOf(mesh);
   const mesh_bench::Points normals = mesh_bench::faceNormals(truth.vertices, truth.faces);
   const MeshTopology topology(truth.faces, truth.vertices.size());
@@ -103,9 +96,7 @@ printSharpEdges(const Mesh& truth, const Mesh& mesh, double unit)
   if (count > 0) std::printf("  sharp edges to mesh: RMS %.4f\n", std::sqrt(squares / count));
 }
 
-Error
-compareWithTruth(const Settings& s, const Mesh& mesh)
-{
+Error compareWithTruth(const Settings& s, const Mesh& mesh) {
   const auto truth = mesh_bench::loadMesh(s.truth);
   if (!truth) return truth.error();
   const double edge = mesh_bench::meanEdge(truth->vertices, truth->faces);
@@ -116,9 +107,7 @@ compareWithTruth(const Settings& s, const Mesh& mesh)
 }
 
 /** Where data are, as the scan's default fit shows. */
-Result<borders::Feet>
-feetOfScan(const Settings& s)
-{
+Result<borders::Feet> feetOfScan(const Settings& s) {
   const auto cloud = loadCloudFile(s.scan);
   if (!cloud) return cloud.error();
   const auto store = PointStore::build(cloud->view(true), s.threads);
@@ -131,9 +120,7 @@ feetOfScan(const Settings& s)
 }
 
 /** Overshoot and loss as borders_bench measures them of pictures, over the mesh's area. */
-Error
-compareWithScan(const Settings& s, const Mesh& mesh)
-{
+Error compareWithScan(const Settings& s, const Mesh& mesh) {
   const auto feet = feetOfScan(s);
   if (!feet) return feet.error();
   const borders::FootSearch search(*feet);
@@ -161,9 +148,7 @@ compareWithScan(const Settings& s, const Mesh& mesh)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("scan_mesh_bench", "1", "A mesh beside its scan and beside the truth.");
   options.positional("MESH.ply", &s.mesh, "made by pcl_slim_mesh or by another program");

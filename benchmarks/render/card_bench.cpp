@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames of one surface in a VTK window: the graphics card's beside the CPU's, how long they take, which of
-// the two kAuto chooses and how their pictures differ. Needs an X server.
+// Frames of one surface in a VTK window: the graphics card's beside the CPU's, how long they take,
+// which of the two kAuto chooses and how their pictures differ. Needs an X server.
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkNew.h>
@@ -20,12 +20,12 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "render/made_sphere.h"
+#include "support/lab/bench.h"
 
 using namespace pcl_slim;
 using measure::median;
@@ -74,8 +74,7 @@ struct AutoTurn {
 /** \brief A window on one surface, and the camera that frames it. */
 class Window {
  public:
-  Window(const Settings& s, std::shared_ptr<const SLIMSurface> surface) : settings_(s)
-  {
+  Window(const Settings& s, std::shared_ptr<const SLIMSurface> surface) : settings_(s) {
     window_->SetOffScreenRendering(1);
     window_->SetMultiSamples(0);
     window_->SetSize(s.width, s.height);
@@ -91,8 +90,7 @@ class Window {
   }
 
   /** \brief Sets a scene and its camera. \return false for what the surface has not. */
-  bool show(const Scene& scene)
-  {
+  bool show(const Scene& scene) {
     if (!mapper_->setMode(scene.mode)) return false;
     mapper_->setLevelOfDetail(scene.lod);
     actor_->GetProperty()->SetOpacity(scene.opacity);
@@ -107,8 +105,7 @@ class Window {
     return true;
   }
 
-  Image picture(RayBackend backend)
-  {
+  Image picture(RayBackend backend) {
     mapper_->setBackend(backend);
     window_->Render();
     Image image;
@@ -124,8 +121,7 @@ class Window {
   }
 
   /** \brief Milliseconds a frame, the camera turning about the object: the median of a turn. */
-  double milliseconds(RayBackend backend, int frames)
-  {
+  double milliseconds(RayBackend backend, int frames) {
     mapper_->setBackend(backend);
     std::vector<double> times;
     for (int i = -2; i < frames; ++i) {
@@ -135,9 +131,9 @@ class Window {
     return median(times);
   }
 
-  /** \brief A turn by kAuto, after the six frames that it measures; those are seen first_zoom times nearer. */
-  AutoTurn turnByAuto(int frames)
-  {
+  /** \brief A turn by kAuto, after the six frames that it measures; those are seen first_zoom times
+   * nearer. */
+  AutoTurn turnByAuto(int frames) {
     mapper_->setSurface(mapper_->getSurface());
     mapper_->setBackend(RayBackend::kAuto);
     vtkCamera* camera = renderer_->GetActiveCamera();
@@ -161,8 +157,7 @@ class Window {
   std::uint64_t coveredPixels() const { return mapper_->getStatistics().covered_pixels; }
 
   /** \brief "RENDERER, OpenGL VERSION". */
-  std::string cardName()
-  {
+  std::string cardName() {
     window_->Render();
     window_->MakeCurrent();
     const auto text = [](GLenum what) {
@@ -174,8 +169,7 @@ class Window {
 
  private:
   /** \brief Turns the camera. \return milliseconds of the frame */
-  double turn(double degrees)
-  {
+  double turn(double degrees) {
     renderer_->GetActiveCamera()->Azimuth(degrees);
     renderer_->ResetCameraClippingRange();
     const double start = wallSeconds();
@@ -184,8 +178,7 @@ class Window {
     return 1e3 * (wallSeconds() - start);
   }
 
-  Camera homeOf(const SLIMSurface& surface) const
-  {
+  Camera homeOf(const SLIMSurface& surface) const {
     const BoundingSpheres object = spheresOf(surface);
     return fitCamera(object, chooseView(object), {settings_.width, settings_.height});
   }
@@ -205,9 +198,7 @@ struct Difference {
   int largest = 0;                      ///< of 255
 };
 
-Difference
-differenceOf(const Image& a, const Image& b)
-{
+Difference differenceOf(const Image& a, const Image& b) {
   Difference d;
   for (std::size_t i = 0; i + 2 < a.rgb.size(); i += 3) {
     int largest = 0, paper_a = 255, paper_b = 255;
@@ -224,18 +215,15 @@ differenceOf(const Image& a, const Image& b)
   return d;
 }
 
-Error
-savePictures(const std::string& folder, std::string name, const Image& cpu, const Image& card)
-{
+Error savePictures(const std::string& folder, std::string name, const Image& cpu,
+                   const Image& card) {
   if (folder.empty()) return {};
   std::replace(name.begin(), name.end(), ' ', '_');
   if (Error error = savePng(folder + "/" + name + "_cpu.png", cpu)) return error;
   return savePng(folder + "/" + name + "_card.png", card);
 }
 
-Result<std::shared_ptr<const SLIMSurface>>
-surfaceOf(const Settings& s)
-{
+Result<std::shared_ptr<const SLIMSurface>> surfaceOf(const Settings& s) {
   if (s.surface == "sphere") {
     const MadeSphere sphere{static_cast<std::size_t>(s.leaves), s.degree, false, true};
     return std::make_shared<const SLIMSurface>(makeSphere(sphere));
@@ -246,9 +234,7 @@ surfaceOf(const Settings& s)
 }
 
 /** \brief One row: a scene by both, times and differences. */
-Error
-compare(const Settings& s, const Scene& scene, Window& window)
-{
+Error compare(const Settings& s, const Scene& scene, Window& window) {
   if (!window.show(scene)) return {};
   const Image cpu = window.picture(RayBackend::kCPU);
   const Image card = window.picture(RayBackend::kOpenGL);
@@ -264,9 +250,7 @@ compare(const Settings& s, const Scene& scene, Window& window)
   return savePictures(s.pictures, scene.name, cpu, card);
 }
 
-Error
-run(const Settings& s)
-{
+Error run(const Settings& s) {
   const auto surface = surfaceOf(s);
   if (!surface) return surface.error();
   Window window(s, *surface);
@@ -285,9 +269,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("card_bench", "", "Frames by the graphics card beside those by the CPU.");
   table.positional("SURFACE.slim|sphere", &s.surface,

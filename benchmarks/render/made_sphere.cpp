@@ -18,27 +18,21 @@ struct Level {
 };
 
 /** \brief Point i of n that lie evenly on the unit sphere (Fibonacci's lattice). */
-std::array<double, 3>
-latticePoint(std::size_t i, std::size_t n)
-{
+std::array<double, 3> latticePoint(std::size_t i, std::size_t n) {
   const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(n);
   const double turn = std::fmod(static_cast<double>(i) * 0.6180339887498949, 1.0);
   const double flat = std::sqrt(1.0 - z * z);
   return {flat * std::cos(2.0 * M_PI * turn), flat * std::sin(2.0 * M_PI * turn), z};
 }
 
-/** \brief Root mean square of what such a series leaves out, over the ball with its weights: about a fifth of
- * what it leaves out at the rim. */
-double
-errorOf(int degree, double radius, double bend)
-{
+/** \brief Root mean square of what such a series leaves out, over the ball with its weights: about
+ * a fifth of what it leaves out at the rim. */
+double errorOf(int degree, double radius, double bend) {
   return 0.2 * radius * (degree < 4 ? std::pow(bend, 3) / 8.0 : std::pow(bend, 5) / 16.0);
 }
 
 /** \brief The sphere's height over its tangent plane, in radii of a ball: a Taylor series. */
-void
-setHeight(SLIMSurface& surface, std::size_t i, double bend)
-{
+void setHeight(SLIMSurface& surface, std::size_t i, double bend) {
   float* c = surface.coefficients.data() + i * static_cast<std::size_t>(surface.stride());
   c[3] = c[5] = static_cast<float>(-0.5 * bend);
   if (surface.info.degree < 4) return;
@@ -49,9 +43,7 @@ setHeight(SLIMSurface& surface, std::size_t i, double bend)
 
 }  // namespace
 
-SLIMSurface
-makeSphere(const MadeSphere& made)
-{
+SLIMSurface makeSphere(const MadeSphere& made) {
   std::vector<Level> levels{{made.leaves, 11.0, true}};
   while (made.links && levels.back().count > 100) {
     levels.push_back({levels.back().count / 8, 4.0, false});
@@ -91,9 +83,7 @@ makeSphere(const MadeSphere& made)
   return surface;
 }
 
-Camera
-cameraBeforeSphere(int size, double zoom)
-{
+Camera cameraBeforeSphere(int size, double zoom) {
   Camera camera;
   camera.position = {0.0, 0.0, kDistance};
   camera.size = {size, size};

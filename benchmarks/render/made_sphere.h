@@ -18,11 +18,10 @@ struct MadeSphere {
 
 /** \brief A sphere's surfels at even distances, balls that overlap as those of fitted scans do: a
  * point lies in about eleven leaves and in four surfels of an internal level. */
-SLIMSurface
-makeSphere(const MadeSphere& made);
+SLIMSurface makeSphere(const MadeSphere& made);
 
-/** \brief The camera before it. \param[in] zoom 1: the whole sphere; larger: a part in the middle */
-Camera
-cameraBeforeSphere(int size, double zoom);
+/** \brief The camera before it. \param[in] zoom 1: the whole sphere; larger: a part in the middle
+ */
+Camera cameraBeforeSphere(int size, double zoom);
 
 }  // namespace pcl_slim

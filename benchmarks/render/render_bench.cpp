@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "render/made_sphere.h"
+#include "support/lab/bench.h"
 #include "support/lab/reference/reference_renderer.h"
 
 using namespace pcl_slim;
@@ -37,10 +37,8 @@ struct FrameTime {
 
 /** \brief Milliseconds a frame: the median of warm ones, each from a camera turned a little. */
 template <typename Renderer>
-FrameTime
-frameTime(Renderer& renderer, const Camera& camera, const RenderParams& params, int repeat,
-          GBuffer& buffer, RenderStatistics& counts)
-{
+FrameTime frameTime(Renderer& renderer, const Camera& camera, const RenderParams& params,
+                    int repeat, GBuffer& buffer, RenderStatistics& counts) {
   std::vector<double> times, cpu;
   for (int i = 0; i <= repeat; ++i) {
     Camera moved = camera;
@@ -58,9 +56,7 @@ frameTime(Renderer& renderer, const Camera& camera, const RenderParams& params, 
 }
 
 /** \brief How a frame differs from the reference's of the same camera. */
-void
-printDifference(const GBuffer& a, const GBuffer& b)
-{
+void printDifference(const GBuffer& a, const GBuffer& b) {
   std::size_t coverage = 0, both = 0, far = 0, tilted = 0;
   double depth_sq = 0.0, cosine_sum = 0.0;
   for (std::size_t i = 0; i < a.numPixels(); ++i) {
@@ -94,9 +90,7 @@ struct Scene {
   Camera camera;
 };
 
-Result<Scene>
-sceneOf(const Settings& s)
-{
+Result<Scene> sceneOf(const Settings& s) {
   if (s.surface == "sphere" || s.surface == "cap") {
     const MadeSphere sphere{static_cast<std::size_t>(s.leaves), s.degree, s.surface == "cap",
                             s.lod > 0.0};
@@ -110,9 +104,7 @@ sceneOf(const Settings& s)
   return Scene{std::move(*surface), camera};
 }
 
-void
-printCounts(const RenderStatistics& counts)
-{
+void printCounts(const RenderStatistics& counts) {
   const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
   std::printf(
       "  outside %llu, back-facing %llu, below detail %llu, coarse %llu, entries %llu, "
@@ -123,10 +115,8 @@ printCounts(const RenderStatistics& counts)
 }
 
 /** \brief The same frame by the reference: how much slower it is, and what differs. */
-void
-compareWithReference(const Settings& s, const Camera& camera, const FrameTime& plain,
-                     SurfaceRenderer& renderer, GBuffer& buffer)
-{
+void compareWithReference(const Settings& s, const Camera& camera, const FrameTime& plain,
+                          SurfaceRenderer& renderer, GBuffer& buffer) {
   RenderParams params;
   params.threads = s.threads;
   params.columns = 0;
@@ -142,9 +132,7 @@ compareWithReference(const Settings& s, const Camera& camera, const FrameTime& p
   printDifference(buffer, reference);
 }
 
-int
-run(const Settings& s)
-{
+int run(const Settings& s) {
   const Result<Scene> scene = sceneOf(s);
   if (!scene) {
     std::fprintf(stderr, "render_bench: %s\n", scene.error().message.c_str());
@@ -184,9 +172,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("render_bench", "", "Milliseconds a frame beside the reference rasteriser.");
   table.positional("SURFACE.slim|sphere|cap", &s.surface,

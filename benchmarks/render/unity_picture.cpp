@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A picture of a surface by the derivatives of its partition of unity (equation 8, right) in place of its leaves'.
+// A picture of a surface by the derivatives of its partition of unity (equation 8, right) in place
+// of its leaves'.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -24,9 +25,8 @@ struct Settings {
 };
 
 /** \brief As renderPicture(): shifted frames, averaged in linear light. */
-Result<Image>
-picture(const SLIMSurface& surface, const Camera& camera, const ShadingParams& shading)
-{
+Result<Image> picture(const SLIMSurface& surface, const Camera& camera,
+                      const ShadingParams& shading) {
   SurfaceRenderer renderer(surface);
   RenderParams rendering;
   rendering.columns = columnsFor(shading) | kPositionColumn;
@@ -57,9 +57,7 @@ picture(const SLIMSurface& surface, const Camera& camera, const ShadingParams& s
   return image;
 }
 
-Error
-draw(Settings& s)
-{
+Error draw(Settings& s) {
   Error error = s.view.parse();
   if (!error) error = s.picture.parse();
   if (error) return error;
@@ -72,9 +70,7 @@ draw(Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("unity_picture", "",
                     "Draws a surface by the derivatives of its partition of unity.");

@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/visualization/pcl_visualizer.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "scan/fit_job.h"
+#include "support/lab/bench.h"
 
 using namespace pcl_slim;
 using measure::cpuSeconds;
@@ -45,9 +45,7 @@ struct Models {
 };
 
 /** \brief The scan's points with the normals of their projections. */
-Error
-addNormals(const PointStore& store, Models& models)
-{
+Error addNormals(const PointStore& store, Models& models) {
   Projection projection;
   if (Error error = projectPoints(store, models.surface, {}, projection)) return error;
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -63,9 +61,7 @@ addNormals(const PointStore& store, Models& models)
   return {};
 }
 
-Error
-makeModels(const Settings& s, Models& models)
-{
+Error makeModels(const Settings& s, Models& models) {
   Console console(true);
   Report report("view_bench", "", s.scan, s.fit.params.threads);
   const Result<CloudFile> cloud = loadScan(s.scan, s.fit, console, report);
@@ -85,9 +81,7 @@ makeModels(const Settings& s, Models& models)
 }
 
 /** \brief Medians of a frame's time over one turn of the camera. */
-void
-timeTurn(PCLVisualizer& viewer, int frames, const char* name)
-{
+void timeTurn(PCLVisualizer& viewer, int frames, const char* name) {
   vtkRenderWindow* window = viewer.getRenderWindow();
   vtkRenderer* renderer = viewer.getRendererCollection()->GetFirstRenderer();
   renderer->ResetCamera();
@@ -107,10 +101,8 @@ timeTurn(PCLVisualizer& viewer, int frames, const char* name)
   std::fflush(stdout);
 }
 
-void
-timeSurface(PCLVisualizer& viewer, const Settings& s, int frames, RayBackend backend,
-            DisplayMode mode, const char* name)
-{
+void timeSurface(PCLVisualizer& viewer, const Settings& s, int frames, RayBackend backend,
+                 DisplayMode mode, const char* name) {
   SLIMMapper* mapper = getSLIMMapper(viewer);
   mapper->setBackend(backend);
   mapper->setLevelOfDetail(s.lod);
@@ -118,9 +110,7 @@ timeSurface(PCLVisualizer& viewer, const Settings& s, int frames, RayBackend bac
   timeTurn(viewer, frames, name);
 }
 
-void
-timeModels(const Settings& s, const Models& models)
-{
+void timeModels(const Settings& s, const Models& models) {
   PCLVisualizer viewer("view_bench");
   viewer.setSize(s.size, s.size);
   viewer.setShowFPS(false);
@@ -142,9 +132,7 @@ timeModels(const Settings& s, const Models& models)
   timeSurface(viewer, s, 3, RayBackend::kOpenGL, DisplayMode::kShaded, "SLIM surface, OpenGL");
 }
 
-int
-run(const Settings& s)
-{
+int run(const Settings& s) {
   Models models;
   if (const Error error = makeModels(s, models)) {
     std::fprintf(stderr, "view_bench: %s\n", error.message.c_str());
@@ -161,9 +149,7 @@ run(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable table("view_bench", "", "Frame times in a PCLVisualizer: points, mesh and surface.");
   table.positional("SCAN.pcd|.ply", &s.scan, "a scan");

@@ -12,9 +12,7 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Points = std::vector<Kernel::Point_3>;
 
-Points
-cgalPoints(const std::vector<Vector3>& points)
-{
+Points cgalPoints(const std::vector<Vector3>& points) {
   Points converted;
   converted.reserve(points.size());
   for (const Vector3& p : points) converted.emplace_back(p[0], p[1], p[2]);
@@ -23,21 +21,15 @@ cgalPoints(const std::vector<Vector3>& points)
 
 }  // namespace
 
-bool
-hasJets()
-{
+bool hasJets() {
   return true;
 }
 
-Error
-requireJets(const char*)
-{
+Error requireJets(const char*) {
   return {};
 }
 
-std::vector<Vector3>
-smoothByJets(const std::vector<Vector3>& points, std::size_t k)
-{
+std::vector<Vector3> smoothByJets(const std::vector<Vector3>& points, std::size_t k) {
   Points moved = cgalPoints(points);
   CGAL::jet_smooth_point_set<CGAL::Sequential_tag>(moved, static_cast<unsigned>(k));
   std::vector<Vector3> smoothed;
@@ -46,9 +38,7 @@ smoothByJets(const std::vector<Vector3>& points, std::size_t k)
   return smoothed;
 }
 
-Monge
-mongeByJets(const std::vector<Vector3>& points, std::size_t degree)
-{
+Monge mongeByJets(const std::vector<Vector3>& points, std::size_t degree) {
   Points near = cgalPoints(points);
   CGAL::Monge_via_jet_fitting<Kernel> fit;
   const auto form = fit(near.begin(), near.end(), degree, 2);

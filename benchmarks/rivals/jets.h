@@ -9,18 +9,17 @@
 
 namespace pcl_slim::rivals {
 
-/** \brief Whether CGAL was found when this was built; without it, no function here may be called. */
-bool
-hasJets();
+/** \brief Whether CGAL was found when this was built; without it, no function here may be called.
+ */
+bool hasJets();
 
-/** \brief An error where they are missing: a table without a rival would look like one in which it is worse.
+/** \brief An error where they are missing: a table without a rival would look like one in which it
+ * is worse.
  * \param[in] option what leaves them out */
-Error
-requireJets(const char* option);
+Error requireJets(const char* option);
 
 /** \brief CGAL::jet_smooth_point_set of degree 2 over k neighbours. */
-std::vector<Vector3>
-smoothByJets(const std::vector<Vector3>& points, std::size_t k);
+std::vector<Vector3> smoothByJets(const std::vector<Vector3>& points, std::size_t k);
 
 /** \brief The surface at a point by CGAL's jets. */
 struct Monge {
@@ -29,7 +28,6 @@ struct Monge {
 };
 
 /** \brief CGAL::Monge_via_jet_fitting at the first of some points. */
-Monge
-mongeByJets(const std::vector<Vector3>& points, std::size_t degree);
+Monge mongeByJets(const std::vector<Vector3>& points, std::size_t degree);
 
 }  // namespace pcl_slim::rivals

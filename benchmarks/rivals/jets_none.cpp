@@ -5,30 +5,22 @@
 
 namespace pcl_slim::rivals {
 
-bool
-hasJets()
-{
+bool hasJets() {
   return false;
 }
 
-Error
-requireJets(const char* option)
-{
+Error requireJets(const char* option) {
   return {ErrorCode::kBadArgument,
           std::string(
               "CGAL's jets are not built in: install libcgal-dev and configure anew, or give ") +
               option};
 }
 
-std::vector<Vector3>
-smoothByJets(const std::vector<Vector3>& points, std::size_t)
-{
+std::vector<Vector3> smoothByJets(const std::vector<Vector3>& points, std::size_t) {
   return points;
 }
 
-Monge
-mongeByJets(const std::vector<Vector3>&, std::size_t)
-{
+Monge mongeByJets(const std::vector<Vector3>&, std::size_t) {
   return {};
 }
 

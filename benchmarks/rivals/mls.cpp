@@ -8,9 +8,7 @@
 
 namespace pcl_slim::rivals {
 
-Smoothed
-smoothByMls(const std::vector<Vector3>& points, int order, double radius)
-{
+Smoothed smoothByMls(const std::vector<Vector3>& points, int order, double radius) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (const Vector3& p : points) {

@@ -27,9 +27,7 @@ using namespace pcl_slim;
 constexpr std::uint64_t kTruthPoints = 1000000;
 constexpr std::uint64_t kMany = std::uint64_t{1} << 41;  ///< points that the truth is chosen from
 
-int
-usage()
-{
+int usage() {
   std::fprintf(stderr,
                "scale_bench make statue|sheet|skew POINTS SIGMA OUT.ply|.f32\n"
                "scale_bench plan CLOUD.f32 TILE_POINTS\n"
@@ -38,18 +36,14 @@ usage()
   return 2;
 }
 
-bool
-kindOf(const std::string& name, ScaleSurface::Kind& kind)
-{
+bool kindOf(const std::string& name, ScaleSurface::Kind& kind) {
   using Kind = ScaleSurface::Kind;
   kind = name == "sheet" ? Kind::kSheet : name == "skew" ? Kind::kSkew : Kind::kStatue;
   return name == "sheet" || name == "skew" || name == "statue";
 }
 
 /** Writes a cloud; sigma is a share of the diagonal. */
-int
-make(const ScaleSurface& surface, std::uint64_t count, double sigma, const std::string& path)
-{
+int make(const ScaleSurface& surface, std::uint64_t count, double sigma, const std::string& path) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) {
     std::fprintf(stderr, "scale_bench: cannot write '%s'\n", path.c_str());
@@ -85,13 +79,11 @@ struct Rms {
   double squares = 0;
   std::size_t count = 0;
 
-  void add(double value)
-  {
+  void add(double value) {
     squares += value * value;
     ++count;
   }
-  double value() const
-  {
+  double value() const {
     return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, count)));
   }
 };
@@ -99,9 +91,7 @@ struct Rms {
 constexpr double kDegrees = 180 / M_PI;
 
 /** Points of the true surface, others than the scan's. */
-std::vector<std::array<double, 3>>
-truePoints(const ScaleSurface& surface)
-{
+std::vector<std::array<double, 3>> truePoints(const ScaleSurface& surface) {
   std::vector<std::array<double, 3>> points(kTruthPoints);
   for (std::uint64_t i = 0; i < kTruthPoints; ++i)
     points[i] = surface.point(i * (kMany / kTruthPoints), kMany);
@@ -114,9 +104,7 @@ struct OnSurface {
   Projection projected;
 };
 
-Result<OnSurface>
-project(const PointStore& store, const std::string& path)
-{
+Result<OnSurface> project(const PointStore& store, const std::string& path) {
   OnSurface made;
   Result<SLIMSurface> slim = loadSlim(path);
   if (!slim) return slim.error();
@@ -127,9 +115,7 @@ project(const PointStore& store, const std::string& path)
   return made;
 }
 
-PointStore
-storeOf(const std::vector<std::array<double, 3>>& points)
-{
+PointStore storeOf(const std::vector<std::array<double, 3>>& points) {
   CloudView view;
   view.xyz = points.data();
   view.xyz_stride = sizeof(points[0]);
@@ -138,34 +124,26 @@ storeOf(const std::vector<std::array<double, 3>>& points)
   return std::move(*PointStore::build(view));
 }
 
-std::array<double, 3>
-worldOf(const PointStore& store, const std::array<double, 3>& local)
-{
+std::array<double, 3> worldOf(const PointStore& store, const std::array<double, 3>& local) {
   std::array<double, 3> p;
   for (std::size_t a = 0; a < 3; ++a) p[a] = store.origin()[a] + store.scale() * local[a];
   return p;
 }
 
 template <typename A, typename B>
-double
-angleBetween(const A& a, const B& b)
-{
+double angleBetween(const A& a, const B& b) {
   double dot = 0;
   for (std::size_t k = 0; k < 3; ++k) dot += static_cast<double>(a[k]) * static_cast<double>(b[k]);
   return kDegrees * std::acos(std::min(1.0, std::abs(dot)));
 }
 
-int
-fail(const Error& error)
-{
+int fail(const Error& error) {
   std::fprintf(stderr, "scale_bench: %s\n", error.message.c_str());
   return 1;
 }
 
 /** Projects points of the true surface and tells how far they go, and normals turn. */
-int
-truth(const ScaleSurface& surface, const std::string& path)
-{
+int truth(const ScaleSurface& surface, const std::string& path) {
   const PointStore store = storeOf(truePoints(surface));
   const auto on = project(store, path);
   if (!on) return fail(on.error());
@@ -185,16 +163,14 @@ truth(const ScaleSurface& surface, const std::string& path)
 /** Which tile of a surface in blocks a point is in, and whether another one is near. */
 class TileBorders {
  public:
-  explicit TileBorders(const SlimDirectory& directory) : info_(directory.info)
-  {
+  explicit TileBorders(const SlimDirectory& directory) : info_(directory.info) {
     for (const SlimBlock& block : directory.blocks) {
       if (!block.isCoarse()) blocks_.push_back(block);
     }
   }
 
   /** \param[in] near share of the diagonal */
-  bool isSeam(const std::array<double, 3>& world, double near) const
-  {
+  bool isSeam(const std::array<double, 3>& world, double near) const {
     std::array<double, 3> p;
     for (std::size_t a = 0; a < 3; ++a) p[a] = (world[a] - info_.origin[a]) / info_.scale;
     const std::size_t own = tileAt(p);
@@ -212,8 +188,7 @@ class TileBorders {
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
 
-  std::size_t tileAt(const std::array<double, 3>& p) const
-  {
+  std::size_t tileAt(const std::array<double, 3>& p) const {
     const std::uint64_t key = mortonCode(p[0], p[1], p[2]);
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       if (key >= blocks_[b].first_key && key < blocks_[b].end_key) return b;
@@ -230,10 +205,9 @@ struct Differences {
   Rms position, normal, curvature, tiled, whole;
 };
 
-/** Compares a surface fitted by tiles with one fitted in memory, at the tiles' borders and inside. */
-int
-seams(const ScaleSurface& surface, const std::string& tiled, const std::string& whole)
-{
+/** Compares a surface fitted by tiles with one fitted in memory, at the tiles' borders and inside.
+ */
+int seams(const ScaleSurface& surface, const std::string& tiled, const std::string& whole) {
   constexpr double kNear = 0.005;
   const auto directory = loadSlimDirectory(tiled);
   if (!directory) return fail(directory.error());
@@ -275,9 +249,7 @@ seams(const ScaleSurface& surface, const std::string& tiled, const std::string& 
 }
 
 /** Prints the tiles of a cloud of float triplets: points, with those around them, first level. */
-int
-plan(const std::string& path, std::uint64_t tile_points)
-{
+int plan(const std::string& path, std::uint64_t tile_points) {
   RecordLayout layout;
   layout.path = path;
   layout.step = 3 * sizeof(float);
@@ -304,9 +276,7 @@ plan(const std::string& path, std::uint64_t tile_points)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc == 4 && std::strcmp(argv[1], "plan") == 0)
     return plan(argv[2], std::strtoull(argv[3], nullptr, 10));
   ScaleSurface::Kind kind{};

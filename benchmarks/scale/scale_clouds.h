@@ -7,8 +7,8 @@
 
 namespace pcl_slim {
 
-/** \brief Surfaces with formulas, as large scans have them: a bumpy body with fine relief on one half
- * (statue, skew) or terrain (sheet). */
+/** \brief Surfaces with formulas, as large scans have them: a bumpy body with fine relief on one
+ * half (statue, skew) or terrain (sheet). */
 class ScaleSurface {
  public:
   enum class Kind { kStatue, kSheet, kSkew };
@@ -22,7 +22,8 @@ class ScaleSurface {
   std::array<double, 3> normal(const std::array<double, 3>& p) const;
   /** \brief Signed distance from the surface, to first order. */
   double distance(const std::array<double, 3>& p) const;
-  /** \brief Whether a place is at one of the body's ends, where views beyond them put a clump of points. */
+  /** \brief Whether a place is at one of the body's ends, where views beyond them put a clump of
+   * points. */
   bool isClump(const std::array<double, 3>& p) const;
   /** \brief About the diagonal of the bounding box. */
   double diagonal() const;
@@ -35,11 +36,9 @@ class ScaleSurface {
 };
 
 /** \brief Independent uniform numbers in [0, 1) of point i; k picks one of them. */
-double
-uniformAt(std::uint64_t i, std::uint64_t k);
+double uniformAt(std::uint64_t i, std::uint64_t k);
 
 /** \brief A normal deviate likewise. */
-double
-gaussianAt(std::uint64_t i, std::uint64_t k);
+double gaussianAt(std::uint64_t i, std::uint64_t k);
 
 }  // namespace pcl_slim

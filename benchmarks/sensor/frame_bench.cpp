@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How even organized frames come out, thinned or not: the angles between neighbouring triangles of the grid after
-// SLIMProjectionSmoother with a search radius and after MovingLeastSquares with the same one.
+// How even organized frames come out, thinned or not: the angles between neighbouring triangles of
+// the grid after SLIMProjectionSmoother with a search radius and after MovingLeastSquares with the
+// same one.
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
@@ -11,10 +12,10 @@
 #include <vector>
 
 #include "common/options.h"
-#include "support/lab/bench.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 #include "rivals/mls.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -28,9 +29,7 @@ struct Frame {
 };
 
 /** Every n-th row and column of an organized cloud. */
-Frame
-thinned(const pcl::PointCloud<pcl::PointXYZ>& cloud, std::size_t n)
-{
+Frame thinned(const pcl::PointCloud<pcl::PointXYZ>& cloud, std::size_t n) {
   Frame frame;
   for (std::size_t y = 0; y < cloud.height; y += n) {
     ++frame.height;
@@ -43,16 +42,12 @@ thinned(const pcl::PointCloud<pcl::PointXYZ>& cloud, std::size_t n)
   return frame;
 }
 
-bool
-isFinite(const Vector3& p)
-{
+bool isFinite(const Vector3& p) {
   return std::isfinite(p[0] + p[1] + p[2]);
 }
 
 /** RMS angle between the two triangles of each cell, in degrees. */
-double
-roughness(const Frame& raw, const std::vector<Vector3>& points)
-{
+double roughness(const Frame& raw, const std::vector<Vector3>& points) {
   double squares = 0, count = 0;
   for (std::size_t y = 0; y + 1 < raw.height; ++y) {
     for (std::size_t x = 0; x + 1 < raw.width; ++x) {
@@ -79,9 +74,7 @@ roughness(const Frame& raw, const std::vector<Vector3>& points)
 }
 
 /** MovingLeastSquares takes finite points alone. */
-std::vector<Vector3>
-smoothByMls(const Frame& frame, double radius)
-{
+std::vector<Vector3> smoothByMls(const Frame& frame, double radius) {
   std::vector<Vector3> finite, points = frame.points;
   for (const Vector3& p : points)
     if (isFinite(p)) finite.push_back(p);
@@ -92,9 +85,7 @@ smoothByMls(const Frame& frame, double radius)
   return points;
 }
 
-std::vector<Vector3>
-smoothBySlim(const Frame& frame, double radius)
-{
+std::vector<Vector3> smoothBySlim(const Frame& frame, double radius) {
   const auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (const Vector3& p : frame.points)
     cloud->push_back(
@@ -111,9 +102,7 @@ smoothBySlim(const Frame& frame, double radius)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string input, radii_text = "0.01,0.02,0.03,0.05", steps_text = "1,2,3";
   std::vector<double> radii, steps;
   OptionTable options("frame_bench", "1",

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "common/run_program.h"
-#include "support/lab/bench.h"
 #include "sensor/sensor_errors.h"
 #include "sensor/sensor_rows.h"
+#include "support/lab/bench.h"
 
 namespace {
 
@@ -24,9 +24,7 @@ struct Settings {
   double lambda = 0, correlation = 0, range_error = 0, creases = 0;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("sensor_bench", "1", "Measures fits of scans as sensors make them.");
   options.text("rows", &s.rows, "TEXT", "only rows whose name contains this");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the scans");
@@ -44,9 +42,7 @@ declareOptions(Settings& s)
 }
 
 /** MLS over the row's radii: the least error of each kind, whichever radius has it. */
-measure::SensorErrors
-bestOfMls(const measure::SensorScan& scan, const std::vector<double>& radii)
-{
+measure::SensorErrors bestOfMls(const measure::SensorScan& scan, const std::vector<double>& radii) {
   measure::SensorErrors best;
   best.position = best.normal = 1e9;
   for (double radius : radii) {
@@ -57,16 +53,12 @@ bestOfMls(const measure::SensorScan& scan, const std::vector<double>& radii)
   return best;
 }
 
-void
-printSolids(const measure::SensorErrors& errors)
-{
+void printSolids(const measure::SensorErrors& errors) {
   for (std::size_t i = 0; i < errors.positions.size(); ++i)
     std::printf("|   solid %zu | %.2f | %.2f |\n", i, errors.positions[i], errors.normals[i]);
 }
 
-FitParams
-paramsOf(const Settings& s, const measure::SensorScan& scan)
-{
+FitParams paramsOf(const Settings& s, const measure::SensorScan& scan) {
   FitParams params;
   params.threads = s.threads;
   params.local_noise = s.local_noise;
@@ -79,9 +71,7 @@ paramsOf(const Settings& s, const measure::SensorScan& scan)
   return params;
 }
 
-Error
-printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
-{
+Error printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed) {
   measure::SensorScan scan = row.scan(seed);
   if (s.creases > 0) measure::leaveOutCreases(s.creases, scan);
   const FitParams params = paramsOf(s, scan);
@@ -103,9 +93,7 @@ printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
   return {};
 }
 
-Error
-printTable(const Settings& s)
-{
+Error printTable(const Settings& s) {
   std::printf(
       "| scan | default, mm | ° |%s noise found, mm | N | points | leaves | CPU s |\n"
       "|---|---|---|%s---|---|---|---|---|\n",
@@ -120,9 +108,7 @@ printTable(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(
       argc, argv, "give fewer -rows", declareOptions,
       [](const OptionTable&, const Settings&) { return Error(); }, printTable);

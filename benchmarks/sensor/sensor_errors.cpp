@@ -18,8 +18,7 @@ class ErrorSums {
  public:
   explicit ErrorSums(const SensorScan& scan) : scan_(scan), sums_(scan.solids.size()) {}
 
-  void add(std::size_t point, const Vector3& place, const Vector3& normal)
-  {
+  void add(std::size_t point, const Vector3& place, const Vector3& normal) {
     const int solid = scan_.solid[point];
     if (solid < 0) return;
     const Foot foot = footOn(scan_.solids[static_cast<std::size_t>(solid)], place);
@@ -33,8 +32,7 @@ class ErrorSums {
     ++sums.normals;
   }
 
-  SensorErrors errors() const
-  {
+  SensorErrors errors() const {
     SensorErrors errors;
     Sums all;
     for (const Sums& sums : sums_) {
@@ -55,12 +53,10 @@ class ErrorSums {
     double distance = 0, angle = 0, points = 0, normals = 0;
   };
 
-  static double positionOf(const Sums& sums)
-  {
+  static double positionOf(const Sums& sums) {
     return kMillimetres * std::sqrt(sums.distance / sums.points);
   }
-  static double normalOf(const Sums& sums)
-  {
+  static double normalOf(const Sums& sums) {
     return kDegreesPerRadian * std::sqrt(sums.angle / sums.normals);
   }
 
@@ -68,9 +64,7 @@ class ErrorSums {
   std::vector<Sums> sums_;
 };
 
-CloudView
-viewOf(const SensorScan& scan)
-{
+CloudView viewOf(const SensorScan& scan) {
   CloudView view;
   view.xyz = scan.points.data();
   view.xyz_stride = 3 * sizeof(float);
@@ -78,9 +72,7 @@ viewOf(const SensorScan& scan)
   return view;
 }
 
-bool
-isBesideAnother(const SensorScan& scan, std::size_t point, double distance)
-{
+bool isBesideAnother(const SensorScan& scan, std::size_t point, double distance) {
   const float* p = &scan.points[3 * point];
   for (std::size_t s = 0; s < scan.solids.size(); ++s) {
     const bool own = static_cast<int>(s) == scan.solid[point];
@@ -92,18 +84,14 @@ isBesideAnother(const SensorScan& scan, std::size_t point, double distance)
 
 }  // namespace
 
-void
-leaveOutCreases(double distance, SensorScan& scan)
-{
+void leaveOutCreases(double distance, SensorScan& scan) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (isBesideAnother(scan, i, distance)) scan.solid[i] = -1;
   }
 }
 
-Result<SensorErrors>
-errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics,
-            const Fitter& fitter)
-{
+Result<SensorErrors> errorsOfFit(const SensorScan& scan, const FitParams& params,
+                                 FitStatistics& statistics, const Fitter& fitter) {
   const auto store = PointStore::build(viewOf(scan), params.threads);
   if (!store) return store.error();
   SLIMSurface surface;
@@ -126,9 +114,7 @@ errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& stat
   return errors;
 }
 
-SensorErrors
-errorsOfMls(const SensorScan& scan, double radius)
-{
+SensorErrors errorsOfMls(const SensorScan& scan, double radius) {
   std::vector<Vector3> points;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     points.push_back({scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]});

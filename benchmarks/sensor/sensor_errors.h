@@ -2,8 +2,8 @@
 #pragma once
 
 #include "fit/accuracy.h"
-#include "support/lab/sensor.h"
 #include "pcl_slim/fit/fit.h"
+#include "support/lab/sensor.h"
 
 namespace pcl_slim::measure {
 
@@ -15,19 +15,16 @@ struct SensorErrors {
   double unit = 0;                         ///< L of a fit [mm]
 };
 
-/** \brief Leaves points nearer to another solid than that out of all errors: beside a crease no smoother
- * knows on which side a point lies, and most of the squared error is there. */
-void
-leaveOutCreases(double distance, SensorScan& scan);
+/** \brief Leaves points nearer to another solid than that out of all errors: beside a crease no
+ * smoother knows on which side a point lies, and most of the squared error is there. */
+void leaveOutCreases(double distance, SensorScan& scan);
 
 /** \brief A scan by our fit and projection; what no leaf supports keeps its place.
  * \param[in] fitter fits the surface; fitSurface() if empty */
-Result<SensorErrors>
-errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics,
-            const Fitter& fitter = {});
+Result<SensorErrors> errorsOfFit(const SensorScan& scan, const FitParams& params,
+                                 FitStatistics& statistics, const Fitter& fitter = {});
 
 /** \brief A scan by pcl::MovingLeastSquares of order 2; points that it drops are left out. */
-SensorErrors
-errorsOfMls(const SensorScan& scan, double radius);
+SensorErrors errorsOfMls(const SensorScan& scan, double radius);
 
 }  // namespace pcl_slim::measure

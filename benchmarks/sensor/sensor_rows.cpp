@@ -8,9 +8,7 @@ namespace {
 const std::vector<double> kCameraRadii = {0.03, 0.06, 0.12, 0.2};
 const std::vector<double> kWaveRadii = {0.01, 0.02, 0.03, 0.06};
 
-SensorRow
-byCamera(const std::string& solids, const std::string& how, const DepthCamera& camera)
-{
+SensorRow byCamera(const std::string& solids, const std::string& how, const DepthCamera& camera) {
   const bool waves = solids.rfind("wave", 0) == 0;
   return {solids + ", " + how,
           [=](std::uint64_t seed) { return scanByCamera(namedSolids(solids), camera, seed); },
@@ -23,9 +21,7 @@ struct NamedCamera {
   DepthCamera camera;
 };
 
-DepthCamera
-camera(double sigma, int box_x, int box_y, double step)
-{
+DepthCamera camera(double sigma, int box_x, int box_y, double step) {
   DepthCamera camera;
   camera.sigma = sigma;
   camera.correlated_x = box_x;
@@ -34,35 +30,27 @@ camera(double sigma, int box_x, int box_y, double step)
   return camera;
 }
 
-DepthCamera
-vga(DepthCamera camera)
-{
+DepthCamera vga(DepthCamera camera) {
   camera.width = 640;
   camera.height = 480;
   camera.focal = 585;
   return camera;
 }
 
-DepthCamera
-stereo(int box)
-{
+DepthCamera stereo(int box) {
   DepthCamera made = camera(0.1, box, box, 0);
   made.focal = made.disparity_focal = 400;
   made.baseline = 0.1;
   return made;
 }
 
-DepthCamera
-depthSteps()
-{
+DepthCamera depthSteps() {
   DepthCamera made = camera(0, 1, 1, 0);
   made.depth_step = 0.005;
   return made;
 }
 
-std::vector<NamedCamera>
-cameras()
-{
+std::vector<NamedCamera> cameras() {
   return {{"white", camera(0.06, 1, 1, 0)},
           {"3 px + 1/8 px", camera(0.06, 3, 3, 0.125)},
           {"1/8 px", camera(0, 1, 1, 0.125)},
@@ -79,9 +67,7 @@ cameras()
           {"5 mm steps", depthSteps()}};
 }
 
-void
-addBaselines(std::vector<SensorRow>& rows)
-{
+void addBaselines(std::vector<SensorRow>& rows) {
   for (double baseline : {0.05, 0.15}) {
     for (const char* solids : {"room", "balls"}) {
       DepthCamera made = camera(0.06, 3, 3, 0.125);
@@ -93,9 +79,7 @@ addBaselines(std::vector<SensorRow>& rows)
 }
 
 /** Lidars of fewer rings, further apart. */
-void
-addLidars(std::vector<SensorRow>& rows)
-{
+void addLidars(std::vector<SensorRow>& rows) {
   struct Rings {
     int count;
     double lowest, highest;  // elevation [degrees]
@@ -122,9 +106,7 @@ addLidars(std::vector<SensorRow>& rows)
   }
 }
 
-void
-addOthers(std::vector<SensorRow>& rows)
-{
+void addOthers(std::vector<SensorRow>& rows) {
   DepthCamera mixed = camera(0.06, 3, 3, 0.125);
   mixed.mixed = 0.5;
   rows.push_back(byCamera("balls", "mixed pixels, 3 px + 1/8 px", mixed));
@@ -144,9 +126,7 @@ addOthers(std::vector<SensorRow>& rows)
 
 }  // namespace
 
-std::vector<SensorRow>
-sensorRows(const std::string& part)
-{
+std::vector<SensorRow> sensorRows(const std::string& part) {
   std::vector<SensorRow> rows;
   for (const char* solids :
        {"room", "hall", "frontal hall", "balls", "wave40", "wave15", "wave6"}) {

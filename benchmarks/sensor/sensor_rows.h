@@ -17,7 +17,6 @@ struct SensorRow {
 };
 
 /** \brief Every row whose name holds a text. */
-std::vector<SensorRow>
-sensorRows(const std::string& part);
+std::vector<SensorRow> sensorRows(const std::string& part);
 
 }  // namespace pcl_slim::measure

@@ -7,9 +7,7 @@
 
 namespace pcl_slim::measure {
 
-Result<ColoredScan>
-loadColoredScan(const std::string& path)
-{
+Result<ColoredScan> loadColoredScan(const std::string& path) {
   Result<CloudFile> file = loadCloudFile(path);
   if (!file) return file.error();
   ColoredScan scan;
@@ -25,9 +23,7 @@ loadColoredScan(const std::string& path)
   return scan;
 }
 
-SplatSet
-splatsOf(const ColoredScan& scan, const SplatParams& params)
-{
+SplatSet splatsOf(const ColoredScan& scan, const SplatParams& params) {
   SplatSet splats;
   const CloudView view = scan.file.view(scan.give_normals);
   if (const Error error = sampleSplats(view, scan.colors, params, splats)) {

@@ -21,11 +21,9 @@ struct ColoredScan {
 
 /** \brief Loads a scan and estimates its normals where it has none (16 neighbours, as the sampler
  * does). \return an error for a file without points or colours. */
-Result<ColoredScan>
-loadColoredScan(const std::string& path);
+Result<ColoredScan> loadColoredScan(const std::string& path);
 
 /** \brief Splats of a scan; stops the program with a message where that fails. */
-SplatSet
-splatsOf(const ColoredScan& scan, const SplatParams& params);
+SplatSet splatsOf(const ColoredScan& scan, const SplatParams& params);
 
 }  // namespace pcl_slim::measure

@@ -10,18 +10,14 @@ namespace {
 constexpr double kCloseEnough = 0.003;  ///< of the count wanted
 constexpr int kSteps = 18;
 
-double
-missBy(std::size_t count, std::size_t wanted)
-{
+double missBy(std::size_t count, std::size_t wanted) {
   return std::abs(std::log(static_cast<double>(count) / static_cast<double>(wanted)));
 }
 
 /** Bisects over exponents in [low, high]; more splats towards high. */
 template <typename ParamsAt>
-SplatParams
-bisect(const ColoredScan& scan, std::size_t wanted, double low, double high,
-       const ParamsAt& paramsAt)
-{
+SplatParams bisect(const ColoredScan& scan, std::size_t wanted, double low, double high,
+                   const ParamsAt& paramsAt) {
   SplatParams best = paramsAt(low);
   double least = missBy(splatsOf(scan, best).size(), wanted);
   for (int step = 0; step < kSteps && least > kCloseEnough; ++step) {
@@ -39,9 +35,7 @@ bisect(const ColoredScan& scan, std::size_t wanted, double low, double high,
 
 }  // namespace
 
-std::vector<Method>
-comparedMethods()
-{
+std::vector<Method> comparedMethods() {
   std::vector<Method> methods;
   const auto add = [&](const char* name, Method::Solve solve) -> SplatParams& {
     methods.push_back({name, {}, solve});
@@ -59,9 +53,7 @@ comparedMethods()
   return methods;
 }
 
-SplatParams
-solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted)
-{
+SplatParams solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted) {
   SplatParams params = method.params;
   switch (method.solve) {
     case Method::Solve::kBudget: params.max_splats = wanted; return params;

@@ -18,12 +18,10 @@ struct Method {
 
 /** \brief The ways that are compared: a uniform grid, geometry alone, both tolerances, the budget,
  * with and without gradients, and the published method. */
-std::vector<Method>
-comparedMethods();
+std::vector<Method> comparedMethods();
 
 /** \brief Parameters with which a method gives a count near the one wanted: its grid's resolution
  * or the common factor of its tolerances is sought by bisection. */
-SplatParams
-solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted);
+SplatParams solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted);
 
 }  // namespace pcl_slim::measure

@@ -18,8 +18,7 @@ struct Bump {
   Vector3d direction;
   double height, width;
 
-  double at(const Vector3d& d) const
-  {
+  double at(const Vector3d& d) const {
     return height * std::exp((d.dot(direction) - 1.0) / (width * width));
   }
 };
@@ -30,18 +29,14 @@ const Bump kTail{Vector3d(-0.93, 0.0, 0.37).normalized(), 0.30, 0.20};
 const Bump kFeathers{Vector3d(-0.78, 0.0, 0.62).normalized(), 0.013, 0.45};
 
 /** Distance from the origin to the surface along a unit direction. */
-double
-reach(const Vector3d& d)
-{
+double reach(const Vector3d& d) {
   const Vector3d body = d.cwiseQuotient(Vector3d(0.95, 0.72, 0.55));
   const double ripples = std::sin(46.0 * (d.z() - 0.3 * d.x()) + 3.0 * std::cos(12.0 * d.y()));
   return 1.0 / body.norm() + kHead.at(d) + kBill.at(d) + kTail.at(d) + kFeathers.at(d) * ripples;
 }
 
 /** Unit outward normal of |p| = reach(p / |p|), by differences: exact to 1e-9. */
-Vector3d
-normalAt(const Vector3d& p)
-{
+Vector3d normalAt(const Vector3d& p) {
   const double step = 1e-5;
   Vector3d gradient;
   for (int a = 0; a < 3; ++a) {
@@ -53,17 +48,13 @@ normalAt(const Vector3d& p)
   return gradient.normalized();
 }
 
-Vector3d
-eyeMiddle(double side)
-{
+Vector3d eyeMiddle(double side) {
   const Vector3d d = Vector3d(0.60, 0.30 * side, 0.70).normalized();
   return reach(d) * d;
 }
 
 /** Colour of the nearer eye, or -1 beside it. */
-std::int64_t
-eyeColor(const Vector3d& p)
-{
+std::int64_t eyeColor(const Vector3d& p) {
   const Vector3d middle = eyeMiddle(p.y() < 0.0 ? -1.0 : 1.0);
   const double distance = (p - middle).norm();
   if (distance >= kEye) return -1;
@@ -71,9 +62,7 @@ eyeColor(const Vector3d& p)
   return distance < kPupil ? 0x101014 : distance < kIris ? 0x2f7fd0 : 0xf8f8f4;
 }
 
-std::uint32_t
-mixed(std::uint32_t a, std::uint32_t b, double share)
-{
+std::uint32_t mixed(std::uint32_t a, std::uint32_t b, double share) {
   std::uint32_t color = 0;
   for (int shift = 0; shift <= 16; shift += 8) {
     const double x = a >> shift & 255u, y = b >> shift & 255u;
@@ -82,9 +71,7 @@ mixed(std::uint32_t a, std::uint32_t b, double share)
   return color;
 }
 
-std::uint32_t
-paintAt(const Vector3d& p)
-{
+std::uint32_t paintAt(const Vector3d& p) {
   const Vector3d d = p.normalized();
   const std::int64_t eye = eyeColor(p);
   if (eye >= 0) return static_cast<std::uint32_t>(eye);
@@ -99,9 +86,7 @@ paintAt(const Vector3d& p)
 
 }  // namespace
 
-PaintedObject
-paintDuck(std::size_t count, std::uint64_t seed)
-{
+PaintedObject paintDuck(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
@@ -122,9 +107,7 @@ paintDuck(std::size_t count, std::uint64_t seed)
   return object;
 }
 
-std::array<double, 3>
-duckEye()
-{
+std::array<double, 3> duckEye() {
   const Vector3d p = eyeMiddle(-1.0);
   return {p.x(), p.y(), p.z()};
 }

@@ -25,9 +25,7 @@ constexpr double kStep = 0.02;  ///< of the extent
 using Vector = std::array<double, 3>;
 
 /** Mean distance of each stored point to its nearest ones, local units. */
-std::vector<float>
-spacingsOf(const PointStore& store)
-{
+std::vector<float> spacingsOf(const PointStore& store) {
   std::vector<float> spacing(store.size());
   const std::size_t chunks = (store.size() + 1023) / 1024;
   parallelFor(chunks, resolveThreads(0), 1, [&](std::size_t chunk, int) {
@@ -45,9 +43,7 @@ spacingsOf(const PointStore& store)
   return spacing;
 }
 
-bool
-isOneSided(const BoundingSpheres& object)
-{
+bool isOneSided(const BoundingSpheres& object) {
   Vector mean{};
   for (const BoundingSphere& sphere : object.spheres) {
     for (std::size_t a = 0; a < 3; ++a) mean[a] += sphere.normal[a];
@@ -56,9 +52,7 @@ isOneSided(const BoundingSpheres& object)
   return std::hypot(mean[0], mean[1], mean[2]) > kOneSided * count;
 }
 
-Vector
-rotated(const Vector& v, const Vector& axis, double degrees)
-{
+Vector rotated(const Vector& v, const Vector& axis, double degrees) {
   const double c = std::cos(degrees * kDegree), s = std::sin(degrees * kDegree);
   const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
   Vector r;
@@ -69,9 +63,7 @@ rotated(const Vector& v, const Vector& axis, double degrees)
   return r;
 }
 
-std::vector<ViewDirection>
-fixedViews(const BoundingSpheres& object)
-{
+std::vector<ViewDirection> fixedViews(const BoundingSpheres& object) {
   std::vector<ViewDirection> views;
   if (!isOneSided(object)) {
     const UpAxis up = guessUpAxis(object);
@@ -95,17 +87,13 @@ fixedViews(const BoundingSpheres& object)
   return views;
 }
 
-double
-distanceOf(const std::array<float, 3>& a, const std::array<float, 3>& b)
-{
+double distanceOf(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 }  // namespace
 
-SplatSet
-everyPoint(const ColoredScan& scan)
-{
+SplatSet everyPoint(const ColoredScan& scan) {
   const CloudView view = scan.view();
   const Result<PointStore> store = PointStore::build(scan.file.view(false));
   if (!store) {
@@ -142,8 +130,7 @@ everyPoint(const ColoredScan& scan)
 
 PictureComparison::PictureComparison(const SplatSet& every_point, int size,
                                      const std::optional<Ball>& focus)
-    : focus_(focus)
-{
+    : focus_(focus) {
   const BoundingSpheres object = spheresOf(every_point);
   step_ = kStep * object.scale;
   for (const ViewDirection& view : fixedViews(object)) {
@@ -153,9 +140,8 @@ PictureComparison::PictureComparison(const SplatSet& every_point, int size,
   }
 }
 
-std::vector<bool>
-PictureComparison::innerPixels(const Picture& picture, const ImageSize& size) const
-{
+std::vector<bool> PictureComparison::innerPixels(const Picture& picture,
+                                                 const ImageSize& size) const {
   std::vector<bool> inner(picture.depth.size(), false);
   for (int y = kRim; y + kRim < size.height; ++y) {
     for (int x = kRim; x + kRim < size.width; ++x) {
@@ -174,10 +160,8 @@ PictureComparison::innerPixels(const Picture& picture, const ImageSize& size) co
   return inner;
 }
 
-PictureComparison::Picture
-PictureComparison::draw(const SplatSet& splats, const Camera& camera,
-                        const DiscRenderParams& params) const
-{
+PictureComparison::Picture PictureComparison::draw(const SplatSet& splats, const Camera& camera,
+                                                   const DiscRenderParams& params) const {
   GBuffer buffer;
   if (const Error error = renderDiscs(splats, camera, params, buffer)) {
     std::fprintf(stderr, "%s\n", error.message.c_str());
@@ -203,9 +187,8 @@ PictureComparison::draw(const SplatSet& splats, const Camera& camera,
   return picture;
 }
 
-PictureDifference
-PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& params) const
-{
+PictureDifference PictureComparison::compare(const SplatSet& splats,
+                                             const DiscRenderParams& params) const {
   std::vector<float> distances;
   double covered = 0, lost = 0, extra = 0, inner = 0, holes = 0, sum = 0, focus_sum = 0,
          focus_count = 0;

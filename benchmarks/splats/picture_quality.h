@@ -12,8 +12,7 @@ namespace pcl_slim::measure {
 
 /** \brief Every point of a scan as a disc of 1.3 local spacings (mean distance to its 6 nearest, at
  * most 4 times the middle one), in its own colour: what splats are compared with. */
-SplatSet
-everyPoint(const ColoredScan& scan);
+SplatSet everyPoint(const ColoredScan& scan);
 
 /** \brief A ball in world coordinates. */
 struct Ball {

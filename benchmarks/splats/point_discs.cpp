@@ -21,11 +21,9 @@ constexpr double kOverlap =
     1.1;  // radius over spacing: discs leave no gaps where spacing varies little
 constexpr float kLargest = 3.0f;  // lone points: radius over the median one at most
 
-/** Discs of the points that have k neighbours; normals are the view's. \param[in] given the radius of all;
- * 0: by the neighbours */
-Result<SplatSet>
-discsOf(const CloudView& view, std::size_t k, double given)
-{
+/** Discs of the points that have k neighbours; normals are the view's. \param[in] given the radius
+ * of all; 0: by the neighbours */
+Result<SplatSet> discsOf(const CloudView& view, std::size_t k, double given) {
   const Result<PointStore> store = PointStore::build(view);
   if (!store) return store.error();
   SplatSet discs;
@@ -59,18 +57,14 @@ discsOf(const CloudView& view, std::size_t k, double given)
   return discs;
 }
 
-int
-fail(const Error& error)
-{
+int fail(const Error& error) {
   std::fprintf(stderr, "point_discs: %s\n", error.message.c_str());
   return kExitFailed;
 }
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string input, output;
   std::vector<double> viewpoint;
   int neighbours = 10;

@@ -22,10 +22,10 @@
 #include <vector>
 
 #include "common/run_program.h"
-#include "support/lab/bench.h"
-#include "support/lab/scenes.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/splat_sampling.h"
+#include "support/lab/bench.h"
+#include "support/lab/scenes.h"
 
 namespace {
 
@@ -41,9 +41,7 @@ struct Settings {
 };
 
 /** An ellipsoid with slanting stripes and an eye, in random order. */
-Cloud::Ptr
-paintedCloud(std::size_t count)
-{
+Cloud::Ptr paintedCloud(std::size_t count) {
   auto cloud = std::make_shared<Cloud>();
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
@@ -71,9 +69,7 @@ paintedCloud(std::size_t count)
 }
 
 /** Puts points in the order of a scanner that turns about z: rows of equal height, each a turn. */
-void
-scanOrder(Cloud& cloud)
-{
+void scanOrder(Cloud& cloud) {
   const auto rows = static_cast<float>(std::sqrt(static_cast<double>(cloud.size())) / 2.0);
   const auto key = [rows](const Point& p) {
     return std::make_pair(std::floor(p.z * rows), std::atan2(p.y, p.x));
@@ -84,9 +80,7 @@ scanOrder(Cloud& cloud)
 
 /** CPU time of the calling thread. Where the others only help, that is how long a machine that is
  * free takes. */
-double
-ownCpuSeconds()
-{
+double ownCpuSeconds() {
   timespec time;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
@@ -99,8 +93,7 @@ struct Method {
   std::vector<double> cpu, own, wall;
   std::size_t out = 0;
 
-  void measure()
-  {
+  void measure() {
     const double cpu_before = measure::cpuSeconds(), own_before = ownCpuSeconds();
     const double before = measure::wallSeconds();
     out = work();
@@ -110,9 +103,7 @@ struct Method {
   }
 };
 
-double
-medianRatio(const std::vector<double>& over, const std::vector<double>& under)
-{
+double medianRatio(const std::vector<double>& over, const std::vector<double>& under) {
   std::vector<double> ratios(over.size());
   for (std::size_t r = 0; r < over.size(); ++r) ratios[r] = over[r] / under[r];
   return measure::median(ratios);
@@ -120,9 +111,7 @@ medianRatio(const std::vector<double>& over, const std::vector<double>& under)
 
 /** Rounds of all methods; the first is what the others are compared with. One round before counts
  * for nothing: memory that a process never used before comes slowly. */
-void
-run(std::vector<Method>& methods, std::size_t points, int rounds)
-{
+void run(std::vector<Method>& methods, std::size_t points, int rounds) {
   for (Method& method : methods) method.work();
   for (int r = 0; r < rounds; ++r) {
     for (Method& method : methods) method.measure();
@@ -139,18 +128,14 @@ run(std::vector<Method>& methods, std::size_t points, int rounds)
   }
 }
 
-float
-longestSide(const Cloud& cloud)
-{
+float longestSide(const Cloud& cloud) {
   Eigen::Vector4f low, high;
   pcl::getMinMax3D(cloud, low, high);
   return (high - low).head<3>().maxCoeff();
 }
 
 /** Leaf size with which VoxelGrid gives about this many points. */
-float
-leafFor(const Cloud::Ptr& cloud, std::size_t wanted, pcl::VoxelGrid<Point>& grid)
-{
+float leafFor(const Cloud::Ptr& cloud, std::size_t wanted, pcl::VoxelGrid<Point>& grid) {
   float leaf = longestSide(*cloud) / 50.0f;
   Cloud out;
   for (int step = 0; step < 6; ++step) {
@@ -162,9 +147,7 @@ leafFor(const Cloud::Ptr& cloud, std::size_t wanted, pcl::VoxelGrid<Point>& grid
 }
 
 /** Our sampling of a cloud, which outlives it. */
-Method
-oursOf(const Cloud& cloud, SplatParams params, const std::string& name, int threads)
-{
+Method oursOf(const Cloud& cloud, SplatParams params, const std::string& name, int threads) {
   params.threads = threads;
   const auto work = [&cloud, params] {
     CloudView view;
@@ -182,9 +165,7 @@ oursOf(const Cloud& cloud, SplatParams params, const std::string& name, int thre
   return {name + (threads == 1 ? ", 1 thread" : ", 2 threads"), work, {}, {}, {}, 0};
 }
 
-std::vector<Method>
-methodsOf(const Cloud::Ptr& cloud, double share)
-{
+std::vector<Method> methodsOf(const Cloud::Ptr& cloud, double share) {
   std::vector<Method> methods;
   const SplatParams tolerances;
   const std::size_t wanted =
@@ -222,9 +203,7 @@ methodsOf(const Cloud::Ptr& cloud, double share)
   return methods;
 }
 
-Error
-loadCloud(const Settings& s, Cloud::Ptr& cloud)
-{
+Error loadCloud(const Settings& s, Cloud::Ptr& cloud) {
   cloud = std::make_shared<Cloud>();
   if (s.input == "painted") {
     cloud = paintedCloud(s.points);
@@ -236,9 +215,7 @@ loadCloud(const Settings& s, Cloud::Ptr& cloud)
   return {ErrorCode::kBadInput, "the cloud needs 100 points or more; name a larger one"};
 }
 
-Error
-run(const Settings& s, const Cloud::Ptr& cloud)
-{
+Error run(const Settings& s, const Cloud::Ptr& cloud) {
   std::vector<Method> methods = methodsOf(cloud, s.share);
   const bool made = s.input == "painted";
   std::printf("%zu points of %s%s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str(),
@@ -249,9 +226,7 @@ run(const Settings& s, const Cloud::Ptr& cloud)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("splat_bench", "1", "Times colour splat sampling beside PCL's filters.");
   options.positional("painted|IN.pcd", &s.input, "a made cloud, or coloured points with normals");

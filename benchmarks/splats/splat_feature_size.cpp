@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// splat_feature_size: cells divided by the local feature size beside cells divided by their normals, at one count
-// (future work of the colour splat paper).
+// splat_feature_size: cells divided by the local feature size beside cells divided by their
+// normals, at one count (future work of the colour splat paper).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,11 +28,10 @@ struct Points {
   double diagonal = 1;
 };
 
-/** Centres of the largest balls that touch each point from either side and hold no other: where the medial axis
- * is. Then each point's distance to the nearest of them, its local feature size. O(points^2). */
-void
-findFeatureSizes(double spacing, Points& points)
-{
+/** Centres of the largest balls that touch each point from either side and hold no other: where the
+ * medial axis is. Then each point's distance to the nearest of them, its local feature size.
+ * O(points^2). */
+void findFeatureSizes(double spacing, Points& points) {
   const std::size_t n = points.at.size();
   std::vector<Vector3> axis(2 * n);
   parallelFor(n, 0, 64, [&](std::size_t i, int) {
@@ -66,9 +65,7 @@ struct Disc {
   double radius = 0, deviation = 0, least_feature = 0;
 };
 
-Disc
-discOf(const Points& points, std::size_t begin, std::size_t end)
-{
+Disc discOf(const Points& points, std::size_t begin, std::size_t end) {
   Disc disc;
   disc.least_feature = std::numeric_limits<double>::max();
   const auto n = static_cast<double>(end - begin);
@@ -94,10 +91,8 @@ struct Score {
 
 using Divides = std::function<bool(const Disc&)>;
 
-void
-divide(const Points& points, std::size_t begin, std::size_t end, int shift, const Divides& divides,
-       Score& score)
-{
+void divide(const Points& points, std::size_t begin, std::size_t end, int shift,
+            const Divides& divides, Score& score) {
   const Disc disc = discOf(points, begin, end);
   if (shift > 0 && (shift > 51 || (end - begin > 4 && divides(disc)))) {
     for (std::size_t at = begin; at < end;) {
@@ -120,10 +115,8 @@ divide(const Points& points, std::size_t begin, std::size_t end, int shift, cons
 }
 
 /** Divides with the tolerance that gives so many discs, and prints the row. */
-void
-printRow(const char* name, const Points& points, std::size_t wanted,
-         const std::function<bool(const Disc&, double)>& divides)
-{
+void printRow(const char* name, const Points& points, std::size_t wanted,
+              const std::function<bool(const Disc&, double)>& divides) {
   double low = -14, high = 4;
   Score score;
   for (int step = 0; step < 24; ++step) {
@@ -142,9 +135,7 @@ printRow(const char* name, const Points& points, std::size_t wanted,
               score.area / (points.diagonal * points.diagonal));
 }
 
-Error
-study(const std::string& input, double share)
-{
+Error study(const std::string& input, double share) {
   auto file = loadCloudFile(input);
   if (!file) return file.error();
   if (file->normal_source == NormalSource::kNothing) {
@@ -177,9 +168,7 @@ study(const std::string& input, double share)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string input;
   double share = 0.05;
   OptionTable options("splat_feature_size", "1",

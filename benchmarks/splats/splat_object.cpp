@@ -14,9 +14,7 @@ namespace {
 
 using namespace pcl_slim;
 
-PointFile
-fileOf(const measure::PaintedObject& object, bool normals)
-{
+PointFile fileOf(const measure::PaintedObject& object, bool normals) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   for (const char* name : {"x", "y", "z", "rgb", "normal_x", "normal_y", "normal_z"}) {
@@ -44,9 +42,7 @@ fileOf(const measure::PaintedObject& object, bool normals)
 }
 
 /** Moves the points by isotropic noise. */
-void
-addNoise(double sigma, std::uint64_t seed, measure::PaintedObject& object)
-{
+void addNoise(double sigma, std::uint64_t seed, measure::PaintedObject& object) {
   std::mt19937_64 random(seed + 1);
   std::normal_distribution<float> step(0, static_cast<float>(sigma));
   for (float& x : object.xyz) x += step(random);
@@ -54,9 +50,7 @@ addNoise(double sigma, std::uint64_t seed, measure::PaintedObject& object)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string output;
   std::uint64_t points = 346733, seed = 1;
   double noise = 0;

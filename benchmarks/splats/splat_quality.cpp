@@ -25,9 +25,7 @@ struct Settings {
 };
 
 /** Writes splats as <folder>/<method>.ply. */
-bool
-save(const Settings& s, const std::string& method, const SplatSet& splats)
-{
+bool save(const Settings& s, const std::string& method, const SplatSet& splats) {
   if (s.save.empty()) return true;
   std::string name;
   for (const char c : method) {
@@ -40,9 +38,7 @@ save(const Settings& s, const std::string& method, const SplatSet& splats)
 }
 
 /** One row of the table. */
-void
-print(const std::string& method, const SplatSet& splats, const PictureDifference& d)
-{
+void print(const std::string& method, const SplatSet& splats, const PictureDifference& d) {
   std::printf("| %s | %zu | %.3f | %.1f | %.4f | %.2f | %.2f | ", method.c_str(), splats.size(),
               d.mean, d.p95, 100.0 * d.holes, 100.0 * d.lost, 100.0 * d.extra);
   if (d.focus >= 0.0) std::printf("%.3f ", d.focus);
@@ -50,9 +46,7 @@ print(const std::string& method, const SplatSet& splats, const PictureDifference
   std::fflush(stdout);
 }
 
-bool
-measureMethods(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
-{
+bool measureMethods(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures) {
   const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(scan.size()));
   std::printf("%s: %zu points, %.3g %% wanted, %zu views of %d x %d\n\n", s.input.c_str(),
               scan.size(), 100.0 * s.share, pictures.numViews(), s.size, s.size);
@@ -69,9 +63,7 @@ measureMethods(const Settings& s, const ColoredScan& scan, const PictureComparis
 }
 
 /** The same object scanned again: pictures of two scans are no closer than this. */
-bool
-measureAgain(const Settings& s, const PictureComparison& pictures)
-{
+bool measureAgain(const Settings& s, const PictureComparison& pictures) {
   if (s.again.empty()) return true;
   const Result<ColoredScan> scan = loadColoredScan(s.again);
   if (!scan) {
@@ -85,9 +77,7 @@ measureAgain(const Settings& s, const PictureComparison& pictures)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("splat_quality", "1",
                       "Pictures of splats beside those of all points, by method, at one count.");

@@ -18,18 +18,14 @@ struct Settings {
   SplatParams params;
 };
 
-std::size_t
-countAt(const ColoredScan& scan, SplatParams params, double geometry, double color)
-{
+std::size_t countAt(const ColoredScan& scan, SplatParams params, double geometry, double color) {
   params.geometric_error = geometry;
   params.color_error = color;
   return splatsOf(scan, params).size();
 }
 
-std::string
-row(const ColoredScan& scan, const SplatParams& params, double geometry,
-    const std::vector<double>& colors)
-{
+std::string row(const ColoredScan& scan, const SplatParams& params, double geometry,
+                const std::vector<double>& colors) {
   std::string text;
   char cell[48];
   std::snprintf(cell, sizeof(cell), "| geometry %g |", geometry);
@@ -41,9 +37,7 @@ row(const ColoredScan& scan, const SplatParams& params, double geometry,
   return text;
 }
 
-void
-printTable(const ColoredScan& scan, const Settings& s)
-{
+void printTable(const ColoredScan& scan, const Settings& s) {
   const std::vector<double> colors{1.0, 0.99, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05};
   std::printf("%s: %zu points%s\n\n|  |", s.input.c_str(), scan.size(),
               s.params.paper_mode ? ", paper mode" : "");
@@ -58,9 +52,7 @@ printTable(const ColoredScan& scan, const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   Settings s;
   OptionTable options("splat_relations", "1", "Numbers of splats over both tolerances.");
   options.positional("IN.pcd|.ply", &s.input, "a coloured scan");

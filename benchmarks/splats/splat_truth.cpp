@@ -16,9 +16,7 @@ namespace {
 using namespace pcl_slim;
 
 /** Appends a file's points and normals. */
-Error
-append(const std::string& path, std::vector<Vector3>& points, std::vector<float>& normals)
-{
+Error append(const std::string& path, std::vector<Vector3>& points, std::vector<float>& normals) {
   const auto file = loadCloudFile(path);
   if (!file) return file.error();
   if (file->normal_source == NormalSource::kNothing) {
@@ -33,9 +31,7 @@ append(const std::string& path, std::vector<Vector3>& points, std::vector<float>
   return {};
 }
 
-Error
-compare(const std::string& splats, const std::string& truth)
-{
+Error compare(const std::string& splats, const std::string& truth) {
   std::vector<Vector3> points;
   std::vector<float> normals;
   if (Error error = append(splats, points, normals)) return error;
@@ -80,9 +76,7 @@ compare(const std::string& splats, const std::string& truth)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   std::string splats, truth;
   OptionTable options("splat_truth", "1", "Distance of splats from exact points.");
   options.positional("SPLATS", &splats, "splats with normals");

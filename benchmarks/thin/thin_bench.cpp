@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Thin parts: RMS distance to the exact surface of the default, beside a fit whose normals are exact,
-// a fit without sides, and pcl::MovingLeastSquares and CGAL's jets at their best size with hindsight.
+// Thin parts: RMS distance to the exact surface of the default, beside a fit whose normals are
+// exact, a fit without sides, and pcl::MovingLeastSquares and CGAL's jets at their best size with
+// hindsight.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "common/run_program.h"
 #include "fit/smoothed_points.h"
-#include "support/lab/bench.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"
+#include "support/lab/bench.h"
 #include "thin/thin_scenes.h"
 
 namespace {
@@ -25,9 +26,7 @@ struct Settings {
   std::vector<double> noise_list;
 };
 
-OptionTable
-declareOptions(Settings& s)
-{
+OptionTable declareOptions(Settings& s) {
   OptionTable options("thin_bench", "1", "Measures fits of thin parts against exact surfaces.");
   options.text("noise", &s.noise, "S,...", "RMS errors along each axis, in spacings");
   options.text("only", &s.only, "TEXT", "scenes whose name begins with it; all if empty");
@@ -37,9 +36,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-Error
-finishOptions(const OptionTable&, Settings& s)
-{
+Error finishOptions(const OptionTable&, Settings& s) {
   if (s.rivals) {
     if (Error error = rivals::requireJets("-rivals 0")) return error;
   }
@@ -52,9 +49,7 @@ struct Errors {
 };
 
 /** \param[in] least thickness of a part that counts as thick */
-Errors
-errorsOf(const Scene& scene, const std::vector<Vector3>& points, double least)
-{
+Errors errorsOf(const Scene& scene, const std::vector<Vector3>& points, double least) {
   double sums[2] = {0, 0}, counts[2] = {0, 0};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3& p = points[i];
@@ -74,9 +69,8 @@ struct Outcome {
   FitStatistics fit;
 };
 
-Result<Outcome>
-fitOf(const Scene& scene, const CloudView& view, const FitParams& params, double least)
-{
+Result<Outcome> fitOf(const Scene& scene, const CloudView& view, const FitParams& params,
+                      double least) {
   const auto smoothed = measure::smoothPoints(view, params);
   if (!smoothed) return smoothed.error();
   return Outcome{errorsOf(scene, smoothed->points, least), smoothed->sigma, smoothed->seconds,
@@ -84,9 +78,7 @@ fitOf(const Scene& scene, const CloudView& view, const FitParams& params, double
 }
 
 /** The least errors over six sizes, each on its own. */
-Errors
-bestRival(const Scene& scene, const std::vector<Vector3>& points, double least, bool jets)
-{
+Errors bestRival(const Scene& scene, const std::vector<Vector3>& points, double least, bool jets) {
   Errors best{1e300, NAN, NAN};
   for (const double k : {12.0, 16.0, 24.0, 32.0, 64.0, 128.0}) {
     const auto moved = jets ? rivals::smoothByJets(points, static_cast<std::size_t>(k))
@@ -98,17 +90,13 @@ bestRival(const Scene& scene, const std::vector<Vector3>& points, double least, 
   return best;
 }
 
-void
-printOutcome(const Outcome& of)
-{
+void printOutcome(const Outcome& of) {
   std::printf(" %.4f (%llu) %.3f |", of.rms.all, static_cast<unsigned long long>(of.fit.leaves),
               of.sigma);
 }
 
 /** Prints a cell of the table: nothing for an error of no points. */
-void
-printValue(double value)
-{
+void printValue(double value) {
   if (std::isfinite(value)) {
     std::printf(" %.4f |", value);
   } else {
@@ -116,9 +104,7 @@ printValue(double value)
   }
 }
 
-Error
-printRow(const Settings& s, const Scene& scene, double sigma)
-{
+Error printRow(const Settings& s, const Scene& scene, double sigma) {
   const double least = std::max(1.0, 5 * sigma);
   const auto points = thin::noisyPoints(scene, sigma, static_cast<std::uint64_t>(s.seed) + 17);
   CloudView view = measure::viewOf(points);
@@ -151,9 +137,7 @@ printRow(const Settings& s, const Scene& scene, double sigma)
   return {};
 }
 
-Error
-printTable(const Settings& s)
-{
+Error printTable(const Settings& s) {
   std::printf(
       "RMS distance (leaves) and noise found, in spacings; thick: where it is at least 1 spacing "
       "and 5 "
@@ -173,9 +157,7 @@ printTable(const Settings& s)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return runProgram<Settings>(argc, argv, "give fewer rows", declareOptions, finishOptions,
                               printTable);
 }

@@ -16,19 +16,15 @@ constexpr double kSphere = 20;  ///< radius of the outer sphere
 constexpr double kEdge = 60;    ///< length of a wedge's sides and edge
 constexpr double kGolden = 0.6180339887498949;
 
-std::string
-named(const std::string& name, double size)
-{
+std::string named(const std::string& name, double size) {
   char text[64];
   std::snprintf(text, sizeof(text), "%s %g", name.c_str(), size);
   return text;
 }
 
 /** Adds an evenly filled rectangle: a rank-1 lattice of density 1. */
-void
-addRectangle(Scene& scene, const Vector3& corner, const Vector3& a, const Vector3& b,
-             const Vector3& normal, double shift)
-{
+void addRectangle(Scene& scene, const Vector3& corner, const Vector3& a, const Vector3& b,
+                  const Vector3& normal, double shift) {
   const auto count = static_cast<std::size_t>(length(a) * length(b));
   for (std::size_t i = 0; i < count; ++i) {
     const double s = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
@@ -39,9 +35,7 @@ addRectangle(Scene& scene, const Vector3& corner, const Vector3& a, const Vector
 }
 
 /** Adds a sphere of density 1 (a Fibonacci lattice), facing out or in. */
-void
-addSphere(Scene& scene, const Vector3& middle, double radius, double facing)
-{
+void addSphere(Scene& scene, const Vector3& middle, double radius, double facing) {
   const auto count = static_cast<std::size_t>(4 * M_PI * radius * radius);
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
@@ -53,9 +47,7 @@ addSphere(Scene& scene, const Vector3& middle, double radius, double facing)
 }
 
 /** Adds the wall of a cylinder about the z axis. */
-void
-addWall(Scene& scene, double radius, double height)
-{
+void addWall(Scene& scene, double radius, double height) {
   const auto count = static_cast<std::size_t>(2 * M_PI * radius * height);
   for (std::size_t i = 0; i < count; ++i) {
     const double z = height * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
@@ -67,9 +59,7 @@ addWall(Scene& scene, double radius, double height)
 }
 
 /** The scene turned to no axis: equal coordinates of whole planes are no scanner's. */
-Scene
-turned(Scene scene)
-{
+Scene turned(Scene scene) {
   const Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
   for (auto* vectors : {&scene.points, &scene.normals}) {
     for (Vector3& p : *vectors) p = along(along(scaled(u, p[0]), p[1], v), p[2], w);
@@ -82,17 +72,13 @@ turned(Scene scene)
   return scene;
 }
 
-double
-toSphere(const Vector3& p, const Vector3& middle, double radius)
-{
+double toSphere(const Vector3& p, const Vector3& middle, double radius) {
   return std::abs(length(subtract(p, middle)) - radius);
 }
 
 }  // namespace
 
-Scene
-plates(double gap)
-{
+Scene plates(double gap) {
   Scene scene{named("plates", gap), {}, {}, {}, {}};
   addRectangle(scene, {0, 0, gap / 2}, {kPlate, 0, 0}, {0, kPlate, 0}, {0, 0, 1}, 0.1);
   addRectangle(scene, {0, 0, -gap / 2}, {0, kPlate, 0}, {kPlate, 0, 0}, {0, 0, -1}, 0.35);
@@ -101,9 +87,7 @@ plates(double gap)
   return scene;
 }
 
-Scene
-tube(double radius)
-{
+Scene tube(double radius) {
   Scene scene{named("tube", radius), {}, {}, {}, {}};
   addWall(scene, radius, kTube);
   scene.distance = [radius](const Vector3& p) { return std::abs(std::hypot(p[0], p[1]) - radius); };
@@ -111,9 +95,7 @@ tube(double radius)
   return scene;
 }
 
-Scene
-nestedSpheres(double gap)
-{
+Scene nestedSpheres(double gap) {
   Scene scene{named("nested", gap), {}, {}, {}, {}};
   addSphere(scene, {}, kSphere, 1);
   addSphere(scene, {}, kSphere - gap, -1);
@@ -124,9 +106,7 @@ nestedSpheres(double gap)
   return scene;
 }
 
-Scene
-touchingSpheres()
-{
+Scene touchingSpheres() {
   const Vector3 left = {-kSphere, 0, 0}, right = {kSphere, 0, 0};
   Scene scene{"touching", {}, {}, {}, {}};
   addSphere(scene, left, kSphere, 1);
@@ -140,9 +120,7 @@ touchingSpheres()
   return scene;
 }
 
-Scene
-wedge(double degrees)
-{
+Scene wedge(double degrees) {
   const double half = degrees * M_PI / 360;
   Scene scene{named("wedge", degrees), {}, {}, {}, {}};
   for (const double side : {1.0, -1.0}) {
@@ -161,9 +139,7 @@ wedge(double degrees)
   return scene;
 }
 
-Scene
-pole(double radius)
-{
+Scene pole(double radius) {
   constexpr double kHeight = 80;
   Scene scene{named("pole", radius), {}, {}, {}, {}};
   addRectangle(scene, {-kEdge / 2, -kEdge / 2, 0}, {kEdge, 0, 0}, {0, kEdge, 0}, {0, 0, 1}, 0.3);
@@ -180,9 +156,7 @@ pole(double radius)
   return scene;
 }
 
-std::vector<Scene>
-allScenes()
-{
+std::vector<Scene> allScenes() {
   std::vector<Scene> scenes;
   for (const double gap : {0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 35.0})
     scenes.push_back(plates(gap));
@@ -195,9 +169,7 @@ allScenes()
   return scenes;
 }
 
-std::vector<Vector3>
-noisyPoints(const Scene& scene, double sigma, std::uint64_t seed)
-{
+std::vector<Vector3> noisyPoints(const Scene& scene, double sigma, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss(0, sigma > 0 ? sigma : 1);
   std::vector<Vector3> points = scene.points;

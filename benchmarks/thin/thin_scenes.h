@@ -21,35 +21,27 @@ struct Scene {
 };
 
 /** \brief Two parallel plates of 70 x 70 spacings, facing apart. */
-Scene
-plates(double gap);
+Scene plates(double gap);
 
 /** \brief A tube of a radius, open at its ends. */
-Scene
-tube(double radius);
+Scene tube(double radius);
 
 /** \brief Two spheres about one middle, a gap between them. */
-Scene
-nestedSpheres(double gap);
+Scene nestedSpheres(double gap);
 
 /** \brief Two spheres that touch at a point. */
-Scene
-touchingSpheres();
+Scene touchingSpheres();
 
 /** \brief Two planes that meet in an edge at an angle in degrees. */
-Scene
-wedge(double degrees);
+Scene wedge(double degrees);
 
 /** \brief A pole of a radius that stands on a plane. */
-Scene
-pole(double radius);
+Scene pole(double radius);
 
 /** \brief All of the scenes above, over the sizes of the table. */
-std::vector<Scene>
-allScenes();
+std::vector<Scene> allScenes();
 
 /** \brief The scene's points with white noise along each axis. */
-std::vector<Vector3>
-noisyPoints(const Scene& scene, double sigma, std::uint64_t seed);
+std::vector<Vector3> noisyPoints(const Scene& scene, double sigma, std::uint64_t seed);
 
 }  // namespace pcl_slim::thin

@@ -21,9 +21,7 @@ constexpr double kShape[][2] = {{0.000, 0.067}, {0.010, 0.069}, {0.020, 0.062}, 
 constexpr int kShapePoints = static_cast<int>(sizeof(kShape) / sizeof(kShape[0]));
 
 /** Catmull-Rom value through kShape with its derivative by z. */
-std::array<double, 2>
-interpolateShape(double z)
-{
+std::array<double, 2> interpolateShape(double z) {
   int i = 0;
   while (i + 2 < kShapePoints && z > kShape[i + 1][0]) ++i;
   const auto slope = [](int k) {
@@ -37,17 +35,13 @@ interpolateShape(double z)
 }
 
 /** A bump of height 1 about x = 0, with smooth shoulders at |x| = width. */
-double
-bump(double x, double width)
-{
+double bump(double x, double width) {
   const double s = 1.0 - (x / width) * (x / width);
   return s > 0.0 ? s * s : 0.0;
 }
 
 /** 1 between low and high, falling to 0 within edge on either side. */
-double
-window(double x, double low, double high, double edge)
-{
+double window(double x, double low, double high, double edge) {
   const auto step = [](double t) {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
@@ -55,24 +49,18 @@ window(double x, double low, double high, double edge)
   return step((x - low) / edge + 0.5) * step((high - x) / edge + 0.5);
 }
 
-double
-smoothMin(double a, double b, double k)
-{
+double smoothMin(double a, double b, double k) {
   const double h = std::max(0.0, k - std::abs(a - b)) / k;
   return std::min(a, b) - 0.25 * h * h * k;
 }
 
 /** Heights over the belly's middle of the two strands of the braid. */
-double
-strandOffset(double angle)
-{
+double strandOffset(double angle) {
   return 0.017 * std::sin(9.0 * angle);
 }
 
 /** Relief ornament: height of the surface above the profile [m], 0 ... 0.0045. */
-double
-relief(double angle, double z)
-{
+double relief(double angle, double z) {
   double height = 0.0;
   if (z > 0.05 && z < 0.18) {  // gadroons that swell out of the foot
     height += 0.0040 * (0.5 + 0.5 * std::cos(20.0 * angle)) * window(z, 0.075, 0.155, 0.03);
@@ -91,8 +79,7 @@ relief(double angle, double z)
 
 }  // namespace
 
-Amphora::Amphora()
-{
+Amphora::Amphora() {
   profile_.reserve(kProfileSteps + 1);
   for (int i = 0; i <= kProfileSteps; ++i) {
     const auto [radius, slope] = interpolateShape(kHeight * i / kProfileSteps);
@@ -112,9 +99,7 @@ Amphora::Amphora()
   }
 }
 
-Amphora::Profile
-Amphora::profileAt(double z) const
-{
+Amphora::Profile Amphora::profileAt(double z) const {
   const double x = std::clamp(z / kHeight, 0.0, 1.0) * kProfileSteps;
   const auto i = std::min(static_cast<std::size_t>(x), profile_.size() - 2);
   const double t = x - static_cast<double>(i);
@@ -122,9 +107,7 @@ Amphora::profileAt(double z) const
   return {a.radius + t * (b.radius - a.radius), a.slope + t * (b.slope - a.slope)};
 }
 
-double
-Amphora::bodyDistance(double rho, double angle, double z) const
-{
+double Amphora::bodyDistance(double rho, double angle, double z) const {
   const Profile profile = profileAt(z);
   const double flatness = 1.0 / std::sqrt(1.0 + profile.slope * profile.slope);
   double outer = (rho - profile.radius) * flatness;
@@ -135,9 +118,7 @@ Amphora::bodyDistance(double rho, double angle, double z) const
   return -smoothMin(-shell, -std::max(z - kHeight, -z), kRounding);
 }
 
-double
-Amphora::handleDistance(const Point& p) const
-{
+double Amphora::handleDistance(const Point& p) const {
   const double x = std::abs(p[0]), z = p[2];
   double nearest_sq = 1.0;
   for (std::size_t i = 0; i + 1 < handle_.size(); ++i) {
@@ -151,9 +132,7 @@ Amphora::handleDistance(const Point& p) const
   return std::sqrt(nearest_sq + 0.36 * p[1] * p[1]) - 0.0085;
 }
 
-double
-Amphora::distance(const Point& p) const
-{
+double Amphora::distance(const Point& p) const {
   const double rho = std::hypot(p[0], p[1]);
   const double body = bodyDistance(rho, std::atan2(p[1], p[0]), p[2]);
   const double box = std::max({std::abs(p[1]) - 0.02, 0.27 - p[2], p[2] - 0.47});
@@ -161,9 +140,7 @@ Amphora::distance(const Point& p) const
   return smoothMin(body, handleDistance(p), 0.012);
 }
 
-Point
-Amphora::normal(const Point& p) const
-{
+Point Amphora::normal(const Point& p) const {
   constexpr double kStep = 2e-4;
   Point n{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -177,9 +154,7 @@ Amphora::normal(const Point& p) const
   return n;
 }
 
-std::array<double, 3>
-Amphora::color(const Point& p) const
-{
+std::array<double, 3> Amphora::color(const Point& p) const {
   constexpr std::array<double, 3> kClay{0.82, 0.47, 0.27}, kGlaze{0.13, 0.11, 0.11},
       kCream{0.93, 0.86, 0.71};
   const double z = p[2], angle = std::atan2(p[1], p[0]);

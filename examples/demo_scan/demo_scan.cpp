@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "amphora.h"
-#include "common/run_program.h"
 #include "common/options.h"
 #include "common/program.h"
+#include "common/run_program.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
@@ -55,23 +55,17 @@ constexpr Station kStations[] = {
 
 /** \brief Counter-based random bits (of SplitMix64): a value per ray and purpose, whatever
  * the order in which rays are shot. */
-std::uint64_t
-randomBits(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose)
-{
+std::uint64_t randomBits(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose) {
   return mixBits(
       mixBits(seed * SplitMix::kStep + ray * 0xd1342543de82ef95u + purpose * 0xaf251af3b0f025b5u));
 }
 
 /** \brief Uniform in (0, 1). */
-double
-uniform(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose)
-{
+double uniform(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose) {
   return (static_cast<double>(randomBits(seed, ray, purpose) >> 12) + 0.5) * 0x1.0p-52;
 }
 
-double
-gaussian(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose)
-{
+double gaussian(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose) {
   const double a = uniform(seed, ray, purpose), b = uniform(seed, ray, purpose + 1);
   return std::sqrt(-2.0 * std::log(a)) * std::cos(2.0 * M_PI * b);
 }
@@ -84,8 +78,7 @@ struct Grid {
   std::uint64_t first_ray = 0;  ///< number of its first ray among all stations'
 
   Grid(const Station& station, double step_angle, std::uint64_t first)
-      : step(step_angle), first_ray(first)
-  {
+      : step(step_angle), first_ray(first) {
     const double a = station.azimuth_degrees * M_PI / 180.0;
     eye = {station.range * std::cos(a), station.range * std::sin(a), station.height};
     const double dz = Amphora::kCenter[2] - station.height,
@@ -99,13 +92,11 @@ struct Grid {
     columns = rows = std::max(1, static_cast<int>(std::ceil(2.0 * half / step)));
   }
 
-  std::uint64_t numRays() const
-  {
+  std::uint64_t numRays() const {
     return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
   }
 
-  Point direction(double column, double row) const
-  {
+  Point direction(double column, double row) const {
     const double a = (column - 0.5 * (columns - 1)) * step, b = (0.5 * (rows - 1) - row) * step;
     Point d;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -117,9 +108,7 @@ struct Grid {
 };
 
 /** \brief Range to the first surface along a ray, or a negative number. */
-double
-march(const Amphora& object, const Point& eye, const Point& d)
-{
+double march(const Amphora& object, const Point& eye, const Point& d) {
   double along = 0.0, offset_sq = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double c = Amphora::kCenter[k] - eye[k];
@@ -145,9 +134,7 @@ struct Hit {
   std::uint32_t rgb = 0;
 };
 
-std::uint32_t
-packColor(const std::array<double, 3>& color, double light)
-{
+std::uint32_t packColor(const std::array<double, 3>& color, double light) {
   std::uint32_t packed = 0;
   for (const double channel : color) {
     const double value = std::clamp(channel * light, 0.0, 1.0);
@@ -157,9 +144,8 @@ packColor(const std::array<double, 3>& color, double light)
 }
 
 /** \brief What the scanner reports for one ray. */
-Hit
-measure(const Amphora& object, const Grid& grid, int column, int row, const ScanParams& params)
-{
+Hit measure(const Amphora& object, const Grid& grid, int column, int row,
+            const ScanParams& params) {
   const std::uint64_t ray =
       grid.first_ray + static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(grid.columns) +
       static_cast<std::uint64_t>(column);
@@ -190,9 +176,8 @@ measure(const Amphora& object, const Grid& grid, int column, int row, const Scan
 }
 
 /** \brief All rays of all grids, in order of ray number. */
-std::vector<Hit>
-shoot(const Amphora& object, const std::vector<Grid>& grids, const ScanParams& params)
-{
+std::vector<Hit> shoot(const Amphora& object, const std::vector<Grid>& grids,
+                       const ScanParams& params) {
   std::vector<Hit> hits;
   for (const Grid& grid : grids) {
     const std::size_t base = hits.size();
@@ -209,9 +194,7 @@ shoot(const Amphora& object, const std::vector<Grid>& grids, const ScanParams& p
   return hits;
 }
 
-std::vector<Grid>
-makeGrids(double step)
-{
+std::vector<Grid> makeGrids(double step) {
   std::vector<Grid> grids;
   std::uint64_t rays = 0;
   for (const Station& station : kStations) {
@@ -221,17 +204,13 @@ makeGrids(double step)
   return grids;
 }
 
-std::uint64_t
-countValid(const std::vector<Hit>& hits)
-{
+std::uint64_t countValid(const std::vector<Hit>& hits) {
   return static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.valid; }));
 }
 
 /** \brief Drops hits, chosen at random, until no more than count are left. */
-void
-thin(std::vector<Hit>& hits, std::uint64_t count, std::uint64_t seed)
-{
+void thin(std::vector<Hit>& hits, std::uint64_t count, std::uint64_t seed) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranked;  // (random, ray)
   for (std::uint64_t ray = 0; ray < hits.size(); ++ray) {
     if (hits[ray].valid) ranked.emplace_back(randomBits(seed, ray, 7), ray);
@@ -242,9 +221,7 @@ thin(std::vector<Hit>& hits, std::uint64_t count, std::uint64_t seed)
   for (auto it = cut; it != ranked.end(); ++it) hits[it->second].valid = false;
 }
 
-Scan
-scanStations(const Amphora& object, const ScanParams& params)
-{
+Scan scanStations(const Amphora& object, const ScanParams& params) {
   const double wanted = static_cast<double>(std::max<std::uint64_t>(1, params.points));
   double step = 0.006;
   const auto sample = static_cast<double>(countValid(shoot(object, makeGrids(step), params)));
@@ -265,9 +242,7 @@ scanStations(const Amphora& object, const ScanParams& params)
   return scan;
 }
 
-Scan
-scanOrganized(const Amphora& object, const ScanParams& params)
-{
+Scan scanOrganized(const Amphora& object, const ScanParams& params) {
   const double side = std::sqrt(static_cast<double>(std::max<std::uint64_t>(1, params.points)));
   const Grid whole(kStations[0], 1.0, 0);
   const double angle =
@@ -294,17 +269,13 @@ scanOrganized(const Amphora& object, const ScanParams& params)
  * the ray and grows with range and obliquity; grazing and dark hits are often lost. Exactly the
  * number of points requested, the same for any number of threads.
  */
-Scan
-scanAmphora(const ScanParams& params)
-{
+Scan scanAmphora(const ScanParams& params) {
   const Amphora object;
   return params.organized ? scanOrganized(object, params) : scanStations(object, params);
 }
 
 /** \brief The bytes of a binary PCD file with fields x y z rgb. */
-std::vector<unsigned char>
-encodePcd(const Scan& scan)
-{
+std::vector<unsigned char> encodePcd(const Scan& scan) {
   char viewpoint[64];
   std::snprintf(viewpoint, sizeof(viewpoint), "%.9g %.9g %.9g", scan.sensor[0], scan.sensor[1],
                 scan.sensor[2]);
@@ -334,9 +305,8 @@ namespace {
 constexpr char kProgram[] = "pcl_slim_demo_scan";
 constexpr double kBytesOfPoint = 32;  ///< in the scan and in its file
 
-int
-run(const std::string& output, const demo::ScanParams& params, const std::string& json, bool quiet)
-{
+int run(const std::string& output, const demo::ScanParams& params, const std::string& json,
+        bool quiet) {
   Error error = checkOutputs(output, json);
   if (error) return fail(kProgram, kExitFailed, error.message);
   Console console(quiet);
@@ -358,9 +328,7 @@ run(const std::string& output, const demo::ScanParams& params, const std::string
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   demo::ScanParams params;
   std::string output, json;
   bool quiet = false;

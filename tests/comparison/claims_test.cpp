@@ -20,10 +20,8 @@ using pcl_slim::comparison::makeScene;
 using pcl_slim::comparison::Treated;
 using Point = std::array<double, 3>;
 
-Scene
-exactScene(const std::string& shape, std::size_t count, double noise,
-           double normal_noise = kNormalNoise)
-{
+Scene exactScene(const std::string& shape, std::size_t count, double noise,
+                 double normal_noise = kNormalNoise) {
   const auto scene = makeScene(shape, count, noise, 7, normal_noise);
   EXPECT_TRUE(scene) << scene.error().message;
   return scene ? *scene : Scene();
@@ -31,9 +29,7 @@ exactScene(const std::string& shape, std::size_t count, double noise,
 
 /** Two square sheets with noise, .35 % of the diagonal apart, flat or with a gentle wave; normals
  * opposed, as those of a plate are. Even points are of the upper one. */
-Scene
-sheets(bool waved, std::size_t count, double half_gap, double sigma)
-{
+Scene sheets(bool waved, std::size_t count, double half_gap, double sigma) {
   const auto waveAt = [waved](double x) {
     return waved ? std::array<double, 2>{0.05 * std::sin(2 * x), 0.1 * std::cos(2 * x)}
                  : std::array<double, 2>{0, 0};
@@ -64,17 +60,14 @@ sheets(bool waved, std::size_t count, double half_gap, double sigma)
   return scene;
 }
 
-Treated
-treated(const Scene& scene, Setting setting)
-{
+Treated treated(const Scene& scene, Setting setting) {
   setting.threads = 1;
   const auto result = treat(scene, setting);
   EXPECT_TRUE(result) << setting.text() << ": " << result.error().message;
   return result ? *result : Treated();
 }
 
-TEST(Claims, SheetsStayApart)
-{
+TEST(Claims, SheetsStayApart) {
   const double diagonal = std::sqrt(8.0), half_gap = 0.5 * 0.0035 * diagonal;
   for (const bool waved : {false, true}) {
     const Scene scene = sheets(waved, 60000, half_gap, 1e-4 * diagonal);
@@ -91,8 +84,7 @@ TEST(Claims, SheetsStayApart)
   }
 }
 
-TEST(Claims, BadNormalsDoLittleHarm)
-{
+TEST(Claims, BadNormalsDoLittleHarm) {
   for (const char* shape : {"sphere", "torus", "bumpy", "relief"}) {
     for (const double noise : {0.001, 0.005}) {
       const Errors exact = errorsOf(exactScene(shape, 20000, noise, 0), slim(true));
@@ -103,8 +95,7 @@ TEST(Claims, BadNormalsDoLittleHarm)
   }
 }
 
-TEST(Claims, RimsAreBesideThoseOfMls)
-{
+TEST(Claims, RimsAreBesideThoseOfMls) {
   Scene scene = exactScene("relief", 20000, 0.001);
   // Within 1 % of the side from the border: that is what is judged.
   const Scene clean = exactScene("relief", 20000, 0);
@@ -119,8 +110,7 @@ TEST(Claims, RimsAreBesideThoseOfMls)
   }
 }
 
-TEST(Claims, TheDefaultIsNearTheBestPenalty)
-{
+TEST(Claims, TheDefaultIsNearTheBestPenalty) {
   for (const char* shape : {"bumpy", "relief"}) {
     const Scene scene = exactScene(shape, 20000, 0.001);
     for (const bool normals : {false, true}) {
@@ -136,9 +126,7 @@ TEST(Claims, TheDefaultIsNearTheBestPenalty)
 
 /** sqrt(area / points) around each point in the cloud's order, from its ten nearest distinct
  * neighbours; 0 where there are fewer. */
-std::vector<double>
-localSpacings(const pcl_slim::PointStore& store)
-{
+std::vector<double> localSpacings(const pcl_slim::PointStore& store) {
   pcl_slim::NeighborSearch search(store);
   std::vector<std::uint32_t> neighbours;
   std::vector<float> squared;
@@ -151,8 +139,7 @@ localSpacings(const pcl_slim::PointStore& store)
   return spacings;
 }
 
-TEST(Claims, ScansAreMovedLittle)
-{
+TEST(Claims, ScansAreMovedLittle) {
   const char* data = std::getenv("PCL_SLIM_DATA");
   int found = 0;
   for (const char* name : {"kinect_mosd_learn13.pcd", "lone_star_geyser_tls.pcd",

@@ -12,19 +12,15 @@ using namespace pcl_slim_test;
 
 constexpr std::size_t kCount = 20000;
 
-/** The default's position error as a share of MLS's at its best radius: 1, but where fine waves are as
- * high as the noise and a wave has some forty points. */
-double
-shareOfDefault(const std::string& shape, double noise)
-{
+/** The default's position error as a share of MLS's at its best radius: 1, but where fine waves are
+ * as high as the noise and a wave has some forty points. */
+double shareOfDefault(const std::string& shape, double noise) {
   return shape == "relief" && noise > 0.004 ? 1.03 : 1.0;
 }
 
 /** Orders and radii around MLS's best: small ones without noise, where bias rules, and large ones
  * with it. Order 1 is never best. */
-std::vector<Setting>
-mlsSweep(int order, double noise)
-{
+std::vector<Setting> mlsSweep(int order, double noise) {
   std::vector<Setting> settings;
   for (const int k : {15, 30, 60, 120, 240, 480}) {
     const bool near_best = noise > 0 ? k >= 30 && k <= (order == 2 ? 480 : 240) : k <= 60;
@@ -33,17 +29,14 @@ mlsSweep(int order, double noise)
   return settings;
 }
 
-Errors
-smaller(const Errors& a, const Errors& b)
-{
+Errors smaller(const Errors& a, const Errors& b) {
   return {std::fmin(a.position, b.position), std::fmin(a.worst, b.worst),
           std::fmin(a.normal, b.normal), std::fmin(a.curvature, b.curvature)};
 }
 
 class ExactSurfaces : public testing::TestWithParam<std::tuple<std::string, double>> {};
 
-TEST_P(ExactSurfaces, NotAboveBestOfMls)
-{
+TEST_P(ExactSurfaces, NotAboveBestOfMls) {
   const auto& [shape, noise] = GetParam();
   const auto scene = pcl_slim::comparison::makeScene(shape, kCount, noise);
   ASSERT_TRUE(scene) << scene.error().message;

@@ -18,9 +18,7 @@ using pcl_slim::comparison::MeshSurface;
 using Point = MeshSurface::Point;
 
 /** A square of n x n cells, two triangles each, in the plane z = 0 over [0, n]^2. */
-MeshSurface
-square(std::uint32_t n)
-{
+MeshSurface square(std::uint32_t n) {
   std::vector<Point> vertices;
   std::vector<MeshSurface::Triangle> triangles;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -35,8 +33,7 @@ square(std::uint32_t n)
   return MeshSurface(vertices, triangles);
 }
 
-TEST(MeshTruth, DistancesAreThoseOfASampledTriangleSoup)
-{
+TEST(MeshTruth, DistancesAreThoseOfASampledTriangleSoup) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1, 1);
   const auto any = [&] { return Point{place(random), place(random), place(random)}; };
@@ -72,8 +69,7 @@ TEST(MeshTruth, DistancesAreThoseOfASampledTriangleSoup)
   }
 }
 
-TEST(MeshTruth, BorderIsWhereOneTriangleEnds)
-{
+TEST(MeshTruth, BorderIsWhereOneTriangleEnds) {
   const MeshSurface mesh = square(8);
   const auto inside = mesh.nearest({4, 4, 0.5});
   EXPECT_DOUBLE_EQ(inside.distance, 0.5);
@@ -84,8 +80,7 @@ TEST(MeshTruth, BorderIsWhereOneTriangleEnds)
   EXPECT_FALSE(mesh.nearest({0.1, 4, 2}).border);
 }
 
-TEST(MeshTruth, TrianglesWithoutAreaAreNoTrouble)
-{
+TEST(MeshTruth, TrianglesWithoutAreaAreNoTrouble) {
   const MeshSurface mesh({{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {0, 0, 0}}, {{0, 1, 2}, {0, 3, 0}});
   EXPECT_DOUBLE_EQ(mesh.nearest({1.5, 3, 0}).distance, 3.0);
   EXPECT_DOUBLE_EQ(mesh.nearest({-4, 0, 3}).distance, 5.0);
@@ -93,8 +88,7 @@ TEST(MeshTruth, TrianglesWithoutAreaAreNoTrouble)
 
 class MeshTruthFiles : public testing::Test {
  protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     const char* head = "ply\nformat ascii 1.0\nelement vertex ";
     const char* xyz = "\nproperty double x\nproperty double y\nproperty double z\n";
     // Two triangles: the square [0, 4]^2 at z = 7, far from the origin.
@@ -111,8 +105,7 @@ class MeshTruthFiles : public testing::Test {
   pcl_slim_test::TemporaryFolder folder_;
 };
 
-TEST_F(MeshTruthFiles, PointsCountThatLieByTheSurface)
-{
+TEST_F(MeshTruthFiles, PointsCountThatLieByTheSurface) {
   const auto scene = loadScene("scan", scan(), mesh());
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->size(), 4u);
@@ -123,8 +116,7 @@ TEST_F(MeshTruthFiles, PointsCountThatLieByTheSurface)
   EXPECT_NEAR(e.worst, 0.5, 1e-6);
 }
 
-TEST_F(MeshTruthFiles, AnotherPlaceIsRefused)
-{
+TEST_F(MeshTruthFiles, AnotherPlaceIsRefused) {
   std::ofstream(scan()) << "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\n"
                         << "property double y\nproperty double z\nend_header\n0 0 0\n";
   const auto scene = loadScene("scan", scan(), mesh());

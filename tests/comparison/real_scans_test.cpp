@@ -18,8 +18,7 @@ struct Pair {
 
 class RealScans : public testing::TestWithParam<Pair> {
  protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     const char* folder = std::getenv("PCL_SLIM_DATA");
     const std::string base = std::string(folder ? folder : "") + "/" + GetParam().name;
     const std::string noisy = base + "_noisy.ply", original = base + "_original.ply";
@@ -34,8 +33,7 @@ class RealScans : public testing::TestWithParam<Pair> {
   Scene scene_;
 };
 
-TEST_P(RealScans, DefaultOrSharpIsBelowBestOfMls)
-{
+TEST_P(RealScans, DefaultOrSharpIsBelowBestOfMls) {
   std::vector<Setting> radii;
   for (const int order : {2, 3}) {
     for (const int k : {15, 20, 30, 45, 60}) radii.push_back(mls(order, k));

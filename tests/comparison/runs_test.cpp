@@ -13,8 +13,7 @@ using namespace pcl_slim_test;
 using pcl_slim::comparison::loadScene;
 using pcl_slim::comparison::makeScene;
 
-TEST(ComparisonRuns, CurvaturesHaveTheTruthsSignForBothMethods)
-{
+TEST(ComparisonRuns, CurvaturesHaveTheTruthsSignForBothMethods) {
   const auto scene = makeScene("torus", 10000, 0);
   ASSERT_TRUE(scene);
   // A wrong sign shows as a relative error of 2.
@@ -23,8 +22,7 @@ TEST(ComparisonRuns, CurvaturesHaveTheTruthsSignForBothMethods)
   EXPECT_LT(errorsOf(*scene, slim(false)).curvature, 0.01);
 }
 
-TEST(ComparisonRuns, PointsWithoutResultCountWhereTheyStood)
-{
+TEST(ComparisonRuns, PointsWithoutResultCountWhereTheyStood) {
   const auto scene = makeScene("sphere", 3000, 0.01);
   ASSERT_TRUE(scene);
   double input = 0;
@@ -43,16 +41,14 @@ TEST(ComparisonRuns, PointsWithoutResultCountWhereTheyStood)
   EXPECT_TRUE(std::isnan(run->errors.normal));
 }
 
-TEST(ComparisonRuns, MlsRadiusHoldsTheNeighboursNamed)
-{
+TEST(ComparisonRuns, MlsRadiusHoldsTheNeighboursNamed) {
   const auto scene = makeScene("relief", 10000, 0);
   ASSERT_TRUE(scene);
   // Area of the relief, measured: 4.27 to three digits; evenly spread, so spacing is known.
   EXPECT_NEAR(scene->spacing, std::sqrt(4.27 / 10000), 0.05 * scene->spacing);
 }
 
-TEST(ComparisonRuns, CubeHasTruthInsideOutsideAndAtItsEdges)
-{
+TEST(ComparisonRuns, CubeHasTruthInsideOutsideAndAtItsEdges) {
   const auto scene = makeScene("cube", 100, 0);
   ASSERT_TRUE(scene);
   EXPECT_NEAR(scene->truth(0, {0.9, 0, 0}).distance, -0.1, 1e-12);
@@ -64,8 +60,7 @@ TEST(ComparisonRuns, CubeHasTruthInsideOutsideAndAtItsEdges)
   }
 }
 
-TEST(ComparisonRuns, OddInputIsRefusedInOneSentence)
-{
+TEST(ComparisonRuns, OddInputIsRefusedInOneSentence) {
   EXPECT_FALSE(makeScene("teapot", 1000, 0));
   EXPECT_FALSE(loadScene("none", "no_such_file.ply", "no_such_file.ply"));
   const auto scene = makeScene("sphere", 1000, 0);
@@ -81,8 +76,7 @@ TEST(ComparisonRuns, OddInputIsRefusedInOneSentence)
 
 class PointFiles : public testing::Test {
  protected:
-  std::string write(const std::string& name, const std::string& points, int count)
-  {
+  std::string write(const std::string& name, const std::string& points, int count) {
     const std::string path = folder_ / name;
     std::ofstream(path) << "ply\nformat ascii 1.0\nelement vertex " << count
                         << "\nproperty double x\nproperty double y\nproperty double z\n"
@@ -94,16 +88,14 @@ class PointFiles : public testing::Test {
   pcl_slim_test::TemporaryFolder folder_;
 };
 
-TEST_F(PointFiles, TruthMustHaveAsManyPoints)
-{
+TEST_F(PointFiles, TruthMustHaveAsManyPoints) {
   const auto scene =
       loadScene("pair", write("a.ply", "0 0 0\n1 0 0\n", 2), write("b.ply", "0 0 0\n", 1));
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("2 points"), std::string::npos);
 }
 
-TEST_F(PointFiles, NonFinitePointsAreLeftOutAndLargeCoordinatesKeepTheirDigits)
-{
+TEST_F(PointFiles, NonFinitePointsAreLeftOutAndLargeCoordinatesKeepTheirDigits) {
   const auto scene =
       loadScene("pair", write("a.ply", "nan 0 0\n500000.001 4000000 7\n500001 4000000 7.25\n", 3),
                 write("b.ply", "0 0 0\n500000 4000000 7\n500001 4000000 7\n", 3));
@@ -115,8 +107,7 @@ TEST_F(PointFiles, NonFinitePointsAreLeftOutAndLargeCoordinatesKeepTheirDigits)
   EXPECT_FALSE(scene->has_true_normals);
 }
 
-TEST_F(PointFiles, NothingFiniteIsRefused)
-{
+TEST_F(PointFiles, NothingFiniteIsRefused) {
   const std::string file = write("a.ply", "nan 0 0\n", 1);
   EXPECT_FALSE(loadScene("pair", file, file));
 }

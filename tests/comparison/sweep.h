@@ -16,18 +16,14 @@ using pcl_slim::comparison::Method;
 using pcl_slim::comparison::Scene;
 using pcl_slim::comparison::Setting;
 
-inline Errors
-errorsOf(const Scene& scene, Setting setting)
-{
+inline Errors errorsOf(const Scene& scene, Setting setting) {
   setting.threads = 1;  // tests run beside each other
   const auto run = runSetting(scene, setting);
   EXPECT_TRUE(run) << setting.text() << ": " << run.error().message;
   return run ? run->errors : Errors();
 }
 
-inline Setting
-slim(bool normals, int degree = 0, double penalty = 0)
-{
+inline Setting slim(bool normals, int degree = 0, double penalty = 0) {
   Setting setting;
   setting.normals = normals;
   setting.degree = degree;
@@ -35,17 +31,13 @@ slim(bool normals, int degree = 0, double penalty = 0)
   return setting;
 }
 
-inline Setting
-sharpSlim()
-{
+inline Setting sharpSlim() {
   Setting setting;
   setting.normals = setting.sharp = true;
   return setting;
 }
 
-inline Setting
-mls(int order, int neighbours)
-{
+inline Setting mls(int order, int neighbours) {
   Setting setting;
   setting.method = Method::kMls;
   setting.degree = order;
@@ -54,9 +46,7 @@ mls(int order, int neighbours)
 }
 
 /** Each error at its own best setting, as one who knows the truth would choose it. */
-inline Errors
-bestOf(const Scene& scene, const std::vector<Setting>& settings)
-{
+inline Errors bestOf(const Scene& scene, const std::vector<Setting>& settings) {
   Errors best;
   for (const Setting& setting : settings) {
     const Errors e = errorsOf(scene, setting);

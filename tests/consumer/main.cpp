@@ -33,9 +33,7 @@
 namespace {
 
 /** Points of the unit sphere, evenly spread along a spiral. */
-std::vector<float>
-spherePoints(int count)
-{
+std::vector<float> spherePoints(int count) {
   std::vector<float> xyz;
   for (int i = 0; i < count; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count;
@@ -48,18 +46,14 @@ spherePoints(int count)
   return xyz;
 }
 
-int
-fail(const char* what, const pcl_slim::Error& error)
-{
+int fail(const char* what, const pcl_slim::Error& error) {
   std::printf("%s: %s\n", what, error.message.c_str());
   return 1;
 }
 
 #ifdef CONSUMER_USES_FILTERS
 /** The same fit through the PCL door; the number of surfels, or 0. */
-std::size_t
-fitWithPCL(const std::vector<float>& xyz)
-{
+std::size_t fitWithPCL(const std::vector<float>& xyz) {
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
   for (std::size_t i = 0; i < xyz.size(); i += 3) {
     cloud->push_back(pcl::PointXYZ(xyz[i], xyz[i + 1], xyz[i + 2]));
@@ -73,9 +67,7 @@ fitWithPCL(const std::vector<float>& xyz)
 
 }  // namespace
 
-int
-main()
-{
+int main() {
   const std::vector<float> xyz = spherePoints(4000);
   pcl_slim::CloudView view;
   view.xyz = xyz.data();

@@ -12,9 +12,7 @@ namespace pcl_slim_test {
 
 /** Coordinates and normals of the finite points, as bytes. */
 template <typename PointT>
-std::vector<unsigned char>
-bytesOf(const pcl::PointCloud<PointT>& cloud)
-{
+std::vector<unsigned char> bytesOf(const pcl::PointCloud<PointT>& cloud) {
   std::vector<float> values;
   for (const PointT& p : cloud) {
     if (!pcl::isFinite(p)) continue;

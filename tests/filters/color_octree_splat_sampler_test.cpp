@@ -22,8 +22,7 @@ struct SamplerDoor {
   using Door = ColorOctreeSplatSampler<PointT>;
   static constexpr bool kPrints = false;
 
-  static bool run(Door& door, std::vector<unsigned char>& output)
-  {
+  static bool run(Door& door, std::vector<unsigned char>& output) {
     pcl::PointCloud<pcl::PointSurfel> splats;
     splats.resize(3);
     const bool done = door.sample(splats);
@@ -43,9 +42,7 @@ struct SamplerDoor {
 };
 
 /** A sphere, red above and blue below. */
-pcl::PointCloud<pcl::PointXYZRGBNormal>::Ptr
-twoColours(std::size_t count)
-{
+pcl::PointCloud<pcl::PointXYZRGBNormal>::Ptr twoColours(std::size_t count) {
   auto cloud = bumpySphere<pcl::PointXYZRGBNormal>(count);
   for (auto& p : *cloud) {
     p.r = p.x + 0.3f * p.y + 0.2f * p.z > 0 ? 230 : 30;
@@ -55,8 +52,7 @@ twoColours(std::size_t count)
   return cloud;
 }
 
-TEST(ColorOctreeSplatSampler, SamplesEveryCompiledPointType)
-{
+TEST(ColorOctreeSplatSampler, SamplesEveryCompiledPointType) {
   const auto samples = [](auto point) {
     using Point = decltype(point);
     ColorOctreeSplatSampler<Point> sampler;
@@ -84,8 +80,7 @@ TEST(ColorOctreeSplatSampler, SamplesEveryCompiledPointType)
   samples(pcl::PointXYZRGBNormal());
 }
 
-TEST(ColorOctreeSplatSampler, ColoursDivideAndComeOut)
-{
+TEST(ColorOctreeSplatSampler, ColoursDivideAndComeOut) {
   ColorOctreeSplatSampler<pcl::PointXYZRGBNormal> sampler;
   sampler.setInputCloud(twoColours(20000));
   pcl::PointCloud<pcl::PointSurfel> splats;
@@ -102,8 +97,7 @@ TEST(ColorOctreeSplatSampler, ColoursDivideAndComeOut)
   EXPECT_LT(splats.size(), with_colour);
 }
 
-TEST(ColorOctreeSplatSampler, NormalsComeFromTheBestSource)
-{
+TEST(ColorOctreeSplatSampler, NormalsComeFromTheBestSource) {
   const auto full = twoColours(8000);
   auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>();
   auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
@@ -123,8 +117,7 @@ TEST(ColorOctreeSplatSampler, NormalsComeFromTheBestSource)
   EXPECT_TRUE(from_cloud.empty());
 }
 
-TEST(ColorOctreeSplatSampler, FiltersLikePclsFilters)
-{
+TEST(ColorOctreeSplatSampler, FiltersLikePclsFilters) {
   const auto cloud = twoColours(6000);
   (*cloud)[17].z = std::nanf("");
   cloud->is_dense = false;
@@ -160,8 +153,7 @@ TEST(ColorOctreeSplatSampler, FiltersLikePclsFilters)
   }
 }
 
-TEST(ColorOctreeSplatSampler, KeepsAnOrganizedCloudsShape)
-{
+TEST(ColorOctreeSplatSampler, KeepsAnOrganizedCloudsShape) {
   auto cloud = twoColours(6000);
   cloud->width = 100;
   cloud->height = 60;
@@ -178,8 +170,7 @@ TEST(ColorOctreeSplatSampler, KeepsAnOrganizedCloudsShape)
   EXPECT_EQ(finite, sampler.getStatistics().splats);
 }
 
-TEST(ColorOctreeSplatSampler, OutputMayBeTheInput)
-{
+TEST(ColorOctreeSplatSampler, OutputMayBeTheInput) {
   auto cloud = twoColours(4000);
   ColorOctreeSplatSampler<pcl::PointXYZRGBNormal> sampler;
   sampler.setInputCloud(cloud);
@@ -189,8 +180,7 @@ TEST(ColorOctreeSplatSampler, OutputMayBeTheInput)
   EXPECT_EQ(cloud->size(), kept.size());
 }
 
-TEST(ColorOctreeSplatSampler, OutputsAreClearedOnFailure)
-{
+TEST(ColorOctreeSplatSampler, OutputsAreClearedOnFailure) {
   ColorOctreeSplatSampler<pcl::PointXYZ> sampler;
   pcl::Indices indices = {1, 2, 3};
   pcl::PointCloud<pcl::PointXYZ> cloud;
@@ -212,8 +202,7 @@ TEST(ColorOctreeSplatSampler, OutputsAreClearedOnFailure)
   EXPECT_EQ(sampler.getError().code, ErrorCode::kBadArgument);
 }
 
-TEST(ColorOctreeSplatSampler, PclsVerbsPrintAnErrorOnce)
-{
+TEST(ColorOctreeSplatSampler, PclsVerbsPrintAnErrorOnce) {
   ColorOctreeSplatSampler<pcl::PointXYZ> sampler;
   pcl::FilterIndices<pcl::PointXYZ>& base = sampler;
   pcl::Indices indices;
@@ -239,8 +228,7 @@ TEST(ColorOctreeSplatSampler, PclsVerbsPrintAnErrorOnce)
   expectOnce("PCL's filter(cloud)", [&] { base.filter(cloud); });
 }
 
-TEST(ColorOctreeSplatSampler, SettersReachTheSampler)
-{
+TEST(ColorOctreeSplatSampler, SettersReachTheSampler) {
   ColorOctreeSplatSampler<pcl::PointXYZRGBNormal> sampler;
   sampler.setInputCloud(twoColours(20000));
   pcl::Indices kept;
@@ -266,8 +254,7 @@ TEST(ColorOctreeSplatSampler, SettersReachTheSampler)
   EXPECT_EQ(kept.size(), sampler.getStatistics().roots);
 }
 
-TEST(ColorOctreeSplatSampler, EstimatedNormalsFaceSensorOrViewPoint)
-{
+TEST(ColorOctreeSplatSampler, EstimatedNormalsFaceSensorOrViewPoint) {
   auto cloud = bumpySphere<pcl::PointXYZ>(4000);
   cloud->sensor_origin_ = Eigen::Vector4f(0, 0, 50, 0);
   ColorOctreeSplatSampler<pcl::PointXYZ> sampler;
@@ -284,8 +271,7 @@ TEST(ColorOctreeSplatSampler, EstimatedNormalsFaceSensorOrViewPoint)
   }
 }
 
-TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse)
-{
+TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse) {
   SplatSet splats;
   splats.resize(3, true);
   for (std::size_t i = 0; i < 3; ++i) {

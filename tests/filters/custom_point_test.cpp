@@ -25,8 +25,7 @@ POINT_CLOUD_REGISTER_POINT_STRUCT(pcl_slim_test::LabelledPoint,
 namespace pcl_slim {
 namespace {
 
-TEST(CustomPoint, FitsWithAndWithoutEstimatedNormals)
-{
+TEST(CustomPoint, FitsWithAndWithoutEstimatedNormals) {
   SLIMFit<pcl_slim_test::LabelledPoint> fit;
   fit.setInputCloud(pcl_slim_test::bumpySphere<pcl_slim_test::LabelledPoint>(2000));
   SLIMSurface surface;

@@ -19,9 +19,7 @@ namespace pcl_slim_test {
 
 /** A bumpy sphere of radius 1 with a little noise; normals where the point type has them. */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr
-bumpySphere(std::size_t count, unsigned int seed = 1)
-{
+typename pcl::PointCloud<PointT>::Ptr bumpySphere(std::size_t count, unsigned int seed = 1) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -58,8 +56,7 @@ class DoorSuite : public testing::Test {
   using Door = typename Traits::Door;
   using Cloud = pcl::PointCloud<Point>;
 
-  static std::vector<unsigned char> runWell(Door& door)
-  {
+  static std::vector<unsigned char> runWell(Door& door) {
     std::vector<unsigned char> output;
     EXPECT_TRUE(Traits::run(door, output)) << door.getError().message;
     EXPECT_FALSE(door.getError());
@@ -67,8 +64,7 @@ class DoorSuite : public testing::Test {
     return output;
   }
 
-  static void expectFailure(Door& door)
-  {
+  static void expectFailure(Door& door) {
     std::vector<unsigned char> output;
     testing::internal::CaptureStderr();
     EXPECT_FALSE(Traits::run(door, output));
@@ -83,8 +79,7 @@ class DoorSuite : public testing::Test {
     EXPECT_EQ(printed.find(message) != std::string::npos, prints) << printed;
   }
 
-  static Door doorTo(const typename Cloud::ConstPtr& cloud)
-  {
+  static Door doorTo(const typename Cloud::ConstPtr& cloud) {
     Door door;
     door.setInputCloud(cloud);
     return door;
@@ -93,14 +88,12 @@ class DoorSuite : public testing::Test {
 
 TYPED_TEST_SUITE_P(DoorSuite);
 
-TYPED_TEST_P(DoorSuite, NoInputIsAnError)
-{
+TYPED_TEST_P(DoorSuite, NoInputIsAnError) {
   typename TestFixture::Door door;
   this->expectFailure(door);
 }
 
-TYPED_TEST_P(DoorSuite, NothingToWorkOnIsAnError)
-{
+TYPED_TEST_P(DoorSuite, NothingToWorkOnIsAnError) {
   auto door = this->doorTo(std::make_shared<typename TestFixture::Cloud>());
   this->expectFailure(door);
 
@@ -114,8 +107,7 @@ TYPED_TEST_P(DoorSuite, NothingToWorkOnIsAnError)
   this->expectFailure(door);
 }
 
-TYPED_TEST_P(DoorSuite, BadIndicesAreAnError)
-{
+TYPED_TEST_P(DoorSuite, BadIndicesAreAnError) {
   auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(100));
   for (const pcl::index_t bad : {-1, 100, std::numeric_limits<pcl::index_t>::max()}) {
     auto indices = std::make_shared<pcl::Indices>(pcl::Indices{0, 1, bad});
@@ -124,8 +116,7 @@ TYPED_TEST_P(DoorSuite, BadIndicesAreAnError)
   }
 }
 
-TYPED_TEST_P(DoorSuite, FewOrEqualPointsDoNotCrash)
-{
+TYPED_TEST_P(DoorSuite, FewOrEqualPointsDoNotCrash) {
   for (const std::size_t count : {1u, 2u, 3u, 5u}) {
     std::vector<unsigned char> output;
     auto cloud = bumpySphere<typename TestFixture::Point>(count);
@@ -136,8 +127,7 @@ TYPED_TEST_P(DoorSuite, FewOrEqualPointsDoNotCrash)
   }
 }
 
-TYPED_TEST_P(DoorSuite, IndicesSelectWhatCopyingSelects)
-{
+TYPED_TEST_P(DoorSuite, IndicesSelectWhatCopyingSelects) {
   const auto cloud = bumpySphere<typename TestFixture::Point>(3000);
   auto indices = std::make_shared<pcl::Indices>();
   for (pcl::index_t i = 0; i < 2500; i += 2) indices->push_back(i);
@@ -152,8 +142,7 @@ TYPED_TEST_P(DoorSuite, IndicesSelectWhatCopyingSelects)
   EXPECT_NE(selected, whole);
 }
 
-TYPED_TEST_P(DoorSuite, NonFinitePointsAreLeftOut)
-{
+TYPED_TEST_P(DoorSuite, NonFinitePointsAreLeftOut) {
   const auto clean = bumpySphere<typename TestFixture::Point>(2000);
   auto cloud = std::make_shared<typename TestFixture::Cloud>();
   for (std::size_t i = 0; i < clean->size(); ++i) {
@@ -171,8 +160,7 @@ TYPED_TEST_P(DoorSuite, NonFinitePointsAreLeftOut)
   EXPECT_EQ(this->runWell(door), this->runWell(clean_door));
 }
 
-TYPED_TEST_P(DoorSuite, ThreadsAndRepetitionChangeNothing)
-{
+TYPED_TEST_P(DoorSuite, ThreadsAndRepetitionChangeNothing) {
   auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(4000));
   door.setNumberOfThreads(1);
   const auto first = this->runWell(door);
@@ -183,8 +171,7 @@ TYPED_TEST_P(DoorSuite, ThreadsAndRepetitionChangeNothing)
   }
 }
 
-TYPED_TEST_P(DoorSuite, CopiesStandAlone)
-{
+TYPED_TEST_P(DoorSuite, CopiesStandAlone) {
   auto original = std::make_unique<typename TestFixture::Door>();
   original->setInputCloud(bumpySphere<typename TestFixture::Point>(1000));
   int calls = 0;
@@ -199,8 +186,7 @@ TYPED_TEST_P(DoorSuite, CopiesStandAlone)
   EXPECT_EQ(expected, this->runWell(assigned));
 }
 
-TYPED_TEST_P(DoorSuite, CancelStopsAndTheNextRunWorks)
-{
+TYPED_TEST_P(DoorSuite, CancelStopsAndTheNextRunWorks) {
   auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(4000));
   door.setProgressCallback([&door](float, const char*) { door.cancel(); });
   this->expectFailure(door);
@@ -209,8 +195,7 @@ TYPED_TEST_P(DoorSuite, CancelStopsAndTheNextRunWorks)
   this->runWell(door);
 }
 
-TYPED_TEST_P(DoorSuite, CancelBeforeTheRunHoldsOnce)
-{
+TYPED_TEST_P(DoorSuite, CancelBeforeTheRunHoldsOnce) {
   auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(4000));
   door.cancel();
   this->expectFailure(door);
@@ -218,8 +203,7 @@ TYPED_TEST_P(DoorSuite, CancelBeforeTheRunHoldsOnce)
   this->runWell(door);
 }
 
-TYPED_TEST_P(DoorSuite, CancelAfterARunIsNotKeptForTheNext)
-{
+TYPED_TEST_P(DoorSuite, CancelAfterARunIsNotKeptForTheNext) {
   auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(1000));
   const auto expected = this->runWell(door);
   door.cancel();
@@ -231,8 +215,7 @@ TYPED_TEST_P(DoorSuite, CancelAfterARunIsNotKeptForTheNext)
   EXPECT_EQ(this->runWell(door), expected);
 }
 
-TYPED_TEST_P(DoorSuite, ASensorThatIsNowhereIsNoViewpoint)
-{
+TYPED_TEST_P(DoorSuite, ASensorThatIsNowhereIsNoViewpoint) {
   auto cloud = bumpySphere<typename TestFixture::Point>(1000);
   auto door = this->doorTo(cloud);
   const auto expected = this->runWell(door);
@@ -240,8 +223,7 @@ TYPED_TEST_P(DoorSuite, ASensorThatIsNowhereIsNoViewpoint)
   EXPECT_EQ(this->runWell(door), expected);
 }
 
-TYPED_TEST_P(DoorSuite, AnErrorDoesNotOutliveItsRun)
-{
+TYPED_TEST_P(DoorSuite, AnErrorDoesNotOutliveItsRun) {
   auto door = this->doorTo(std::make_shared<typename TestFixture::Cloud>());
   this->expectFailure(door);
   door.setInputCloud(bumpySphere<typename TestFixture::Point>(500));

@@ -13,9 +13,7 @@ constexpr double kMajor = 1.0, kMinor = 0.4;  ///< radii of the torus
 
 /** A point with its coordinates, and the normal where the type has one. */
 template <typename PointT>
-PointT
-exactPoint(const double (&p)[3], const double (&n)[3])
-{
+PointT exactPoint(const double (&p)[3], const double (&n)[3]) {
   PointT point;
   point.x = static_cast<float>(p[0]);
   point.y = static_cast<float>(p[1]);
@@ -30,9 +28,7 @@ exactPoint(const double (&p)[3], const double (&n)[3])
 
 /** A sphere about 0, points evenly spread, moved along their normals by Gaussian noise. */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr
-sphereCloud(std::size_t count, double radius, double sigma)
-{
+typename pcl::PointCloud<PointT>::Ptr sphereCloud(std::size_t count, double radius, double sigma) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
@@ -45,11 +41,11 @@ sphereCloud(std::size_t count, double radius, double sigma)
   return cloud;
 }
 
-/** A sphere about 0 with Gaussian noise along x, y and z, without what is above z = top * radius. */
+/** A sphere about 0 with Gaussian noise along x, y and z, without what is above z = top * radius.
+ */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr
-noisySphere(std::size_t count, double radius, double sigma, double top = 2.0)
-{
+typename pcl::PointCloud<PointT>::Ptr noisySphere(std::size_t count, double radius, double sigma,
+                                                  double top = 2.0) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -67,9 +63,7 @@ noisySphere(std::size_t count, double radius, double sigma, double top = 2.0)
 
 /** A torus about the z axis; even in both angles, which is near enough. */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr
-torusCloud(std::size_t count, double sigma)
-{
+typename pcl::PointCloud<PointT>::Ptr torusCloud(std::size_t count, double sigma) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   std::mt19937 random(12);
   std::normal_distribution<double> normal;
@@ -84,16 +78,12 @@ torusCloud(std::size_t count, double sigma)
 }
 
 template <typename PointT>
-double
-sphereDistance(const PointT& p, double radius)
-{
+double sphereDistance(const PointT& p, double radius) {
   return std::hypot(static_cast<double>(p.x), p.y, p.z) - radius;
 }
 
 template <typename PointT>
-double
-torusDistance(const PointT& p)
-{
+double torusDistance(const PointT& p) {
   return std::hypot(std::hypot(static_cast<double>(p.x), p.y) - kMajor, static_cast<double>(p.z)) -
          kMinor;
 }

@@ -19,9 +19,7 @@ using Mls = pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointNormal>;
 using Slim = SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal>;
 
 /** z = 0 over the unit square, with noise and a wave. */
-Cloud::Ptr
-noisyPlane(std::size_t count, double noise, double wave = 0.0, double length = 1.0)
-{
+Cloud::Ptr noisyPlane(std::size_t count, double noise, double wave = 0.0, double length = 1.0) {
   auto cloud = std::make_shared<Cloud>();
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
@@ -34,9 +32,7 @@ noisyPlane(std::size_t count, double noise, double wave = 0.0, double length = 1
   return cloud;
 }
 
-double
-rmsHeight(const Normals& cloud)
-{
+double rmsHeight(const Normals& cloud) {
   double sum = 0, count = 0;
   for (const auto& p : cloud) {
     if (p.x < 0.1f || p.x > 0.9f || p.y < 0.1f || p.y > 0.9f) continue;
@@ -46,9 +42,7 @@ rmsHeight(const Normals& cloud)
   return std::sqrt(sum / count);
 }
 
-double
-rmsFromSphere(const Normals& cloud, double radius)
-{
+double rmsFromSphere(const Normals& cloud, double radius) {
   double sum = 0;
   for (const auto& p : cloud) sum += std::pow(std::hypot(p.x, p.y, p.z) - radius, 2);
   return std::sqrt(sum / static_cast<double>(cloud.size()));
@@ -56,9 +50,7 @@ rmsFromSphere(const Normals& cloud, double radius)
 
 /** Every public member of pcl::MovingLeastSquares, versions 1.12 to 1.15, but process(). */
 template <typename Smoother>
-void
-callEverything(Smoother& mls, const Cloud::Ptr& cloud)
-{
+void callEverything(Smoother& mls, const Cloud::Ptr& cloud) {
   mls.setInputCloud(cloud);
   mls.setIndices(std::make_shared<pcl::Indices>(pcl::Indices{0, 1, 2}));
   mls.setComputeNormals(true);
@@ -102,9 +94,7 @@ callEverything(Smoother& mls, const Cloud::Ptr& cloud)
 
 /** The calls of PCL's tutorial on smoothing by resampling. */
 template <typename Smoother>
-Normals
-tutorial(const Cloud::Ptr& cloud, double radius)
-{
+Normals tutorial(const Cloud::Ptr& cloud, double radius) {
   pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
   Normals points;
   Smoother mls;
@@ -117,8 +107,7 @@ tutorial(const Cloud::Ptr& cloud, double radius)
   return points;
 }
 
-TEST(MlsDoor, EveryMemberCompilesAndUnusedOnesWarnOnce)
-{
+TEST(MlsDoor, EveryMemberCompilesAndUnusedOnesWarnOnce) {
   const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(10, 1.0, 0.0);
   Mls mls;
   callEverything(mls, cloud);
@@ -135,8 +124,7 @@ TEST(MlsDoor, EveryMemberCompilesAndUnusedOnesWarnOnce)
   EXPECT_EQ(static_cast<int>(Mls::DISTINCT_CLOUD), static_cast<int>(Slim::DISTINCT_CLOUD));
 }
 
-TEST(MlsDoor, TheTutorialRunsWithTheNameChanged)
-{
+TEST(MlsDoor, TheTutorialRunsWithTheNameChanged) {
   const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(8000, 1.0, 0.01);
   const Normals theirs = tutorial<Mls>(cloud, 0.2), ours = tutorial<Slim>(cloud, 0.2);
   ASSERT_EQ(ours.size(), theirs.size());
@@ -147,8 +135,7 @@ TEST(MlsDoor, TheTutorialRunsWithTheNameChanged)
   }
 }
 
-TEST(MlsDoor, ASearchRadiusSmoothsNoLessThanMls)
-{
+TEST(MlsDoor, ASearchRadiusSmoothsNoLessThanMls) {
   for (const double radius : {0.05, 0.1}) {
     for (const double noise : {1e-4, 0.005}) {
       const auto cloud = noisyPlane(20000, noise);
@@ -158,8 +145,7 @@ TEST(MlsDoor, ASearchRadiusSmoothsNoLessThanMls)
   }
 }
 
-TEST(MlsDoor, DetailFinerThanTheSearchRadiusGoes)
-{
+TEST(MlsDoor, DetailFinerThanTheSearchRadiusGoes) {
   const auto cloud = noisyPlane(20000, 1e-5, 0.002, 0.06);
   Slim slim;
   slim.setInputCloud(cloud);
@@ -177,8 +163,7 @@ TEST(MlsDoor, DetailFinerThanTheSearchRadiusGoes)
   EXPECT_FALSE(slim.getParams().least_radius) << "the parameter set is the user's";
 }
 
-TEST(MlsDoor, CurvatureIsWhatIsAskedFor)
-{
+TEST(MlsDoor, CurvatureIsWhatIsAskedFor) {
   const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(6000, 5.0, 0.0);
   Slim slim;
   slim.setInputCloud(cloud);
@@ -197,16 +182,13 @@ TEST(MlsDoor, CurvatureIsWhatIsAskedFor)
 }
 
 /** The mean over the cloud, from which chance in single neighbourhoods is gone. */
-double
-meanCurvature(const Normals& cloud)
-{
+double meanCurvature(const Normals& cloud) {
   double sum = 0;
   for (const auto& p : cloud) sum += p.curvature;
   return sum / static_cast<double>(cloud.size());
 }
 
-TEST(MlsDoor, SurfaceVariationIsThatOfMls)
-{
+TEST(MlsDoor, SurfaceVariationIsThatOfMls) {
   for (const double noise : {0.0, 0.02}) {
     const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(20000, 1.0, noise);
     const Normals theirs = tutorial<Mls>(cloud, 0.3);
@@ -226,8 +208,7 @@ TEST(MlsDoor, SurfaceVariationIsThatOfMls)
   EXPECT_NE(slim.getError().message.find("setSearchRadius"), std::string::npos);
 }
 
-TEST(MlsDoor, PclsOwnPointTypesKeepTheirFields)
-{
+TEST(MlsDoor, PclsOwnPointTypesKeepTheirFields) {
   pcl::PointCloud<pcl::PointXYZL>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZL>);
   const auto plain = pcl_slim_test::noisySphere<pcl::PointXYZ>(2000, 1.0, 0.001);
   for (const auto& p : *plain) {

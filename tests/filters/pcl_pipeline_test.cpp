@@ -29,9 +29,7 @@ using Search = pcl::search::Search<Point>;
 constexpr double kNoise = 0.005;  ///< of the torus's points
 
 /** A noisy torus, red and blue, with points far from it and a second one beyond the range. */
-Cloud::Ptr
-scannedTorus()
-{
+Cloud::Ptr scannedTorus() {
   auto cloud = torusCloud<Point>(60000, kNoise);
   for (Point& p : *cloud) {
     p.r = p.x > 0 ? 220 : 20;
@@ -55,9 +53,7 @@ scannedTorus()
   return cloud;
 }
 
-Cloud::Ptr
-cleaned(const Cloud::Ptr& scan)
-{
+Cloud::Ptr cleaned(const Cloud::Ptr& scan) {
   auto cloud = std::make_shared<Cloud>(), thinned = std::make_shared<Cloud>();
   pcl::PassThrough<Point> pass;
   pass.setInputCloud(scan);
@@ -78,9 +74,7 @@ cleaned(const Cloud::Ptr& scan)
 
 /** RMS distance from the torus. */
 template <typename PointT>
-double
-errorOf(const pcl::PointCloud<PointT>& cloud)
-{
+double errorOf(const pcl::PointCloud<PointT>& cloud) {
   double sum = 0.0;
   for (const PointT& p : cloud) {
     const double d = std::hypot(std::hypot(p.x, p.y) - kMajor, p.z) - kMinor;
@@ -89,8 +83,7 @@ errorOf(const pcl::PointCloud<PointT>& cloud)
   return std::sqrt(sum / static_cast<double>(cloud.size()));
 }
 
-TEST(PCLPipeline, CleansFitsSmoothsAndSamples)
-{
+TEST(PCLPipeline, CleansFitsSmoothsAndSamples) {
   const Cloud::Ptr cloud = cleaned(scannedTorus());
   ASSERT_GT(cloud->size(), 20000u);
   const Search::Ptr tree(new pcl::search::KdTree<Point>);
@@ -116,7 +109,8 @@ TEST(PCLPipeline, CleansFitsSmoothsAndSamples)
   smoother.setSearchMethod(tree);
   smoother.process(*smooth);
   ASSERT_EQ(smooth->size(), cloud->size());
-  // Some fifty points average their noise in a ball; single strays that the filter left are far off.
+  // Some fifty points average their noise in a ball; single strays that the filter left are far
+  // off.
   EXPECT_LT(errorOf(*smooth), 0.5 * errorOf(*cloud));
 
   ColorOctreeSplatSampler<pcl::PointXYZRGBNormal> sampler;
@@ -132,8 +126,7 @@ TEST(PCLPipeline, CleansFitsSmoothsAndSamples)
   EXPECT_GT(blue, splats.size() / 3);
 }
 
-TEST(PCLPipeline, SamplerEstimatesNormalsWithAnySearch)
-{
+TEST(PCLPipeline, SamplerEstimatesNormalsWithAnySearch) {
   const auto cloud = torusCloud<Point>(20000, 0.0);
   ColorOctreeSplatSampler<Point> sampler;
   sampler.setInputCloud(cloud);

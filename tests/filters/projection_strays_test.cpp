@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points that a fit leaves out, as strays or for want of a normal, have no say in what becomes of the
-// others.
+// Points that a fit leaves out, as strays or for want of a normal, have no say in what becomes of
+// the others.
 #include <gtest/gtest.h>
 #include <pcl/point_types.h>
 
@@ -13,10 +13,8 @@ namespace {
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
 /** A sphere's points smoothed beside others that have no normal. */
-void
-expectSmoothed(const std::vector<Eigen::Vector3f>& others,
-               const std::vector<Eigen::Vector3f>& strays)
-{
+void expectSmoothed(const std::vector<Eigen::Vector3f>& others,
+                    const std::vector<Eigen::Vector3f>& strays) {
   auto cloud = pcl_slim_test::sphereCloud<pcl::PointNormal>(5000, 1.0, 0.002);
   for (const auto& list : {others, strays}) {
     for (const Eigen::Vector3f& p : list) {
@@ -40,14 +38,12 @@ expectSmoothed(const std::vector<Eigen::Vector3f>& others,
   EXPECT_EQ(smoother.getProjectionStatistics().non_finite, 0u);
 }
 
-TEST(ProjectionStrays, OneAtTheOriginWithoutNormal)
-{
+TEST(ProjectionStrays, OneAtTheOriginWithoutNormal) {
   expectSmoothed({{0, 0, 0}}, {});
   expectSmoothed({{0, 0, 0}, {0, 0, 0}, {1e-33f, 0, 0}}, {});
 }
 
-TEST(ProjectionStrays, AsFarAwayAsFloatsReach)
-{
+TEST(ProjectionStrays, AsFarAwayAsFloatsReach) {
   for (const float distance : {1e6f, 1e12f, 1e30f, 1e38f, 3e38f}) {
     expectSmoothed({}, {{distance, 0, 0}});
     expectSmoothed({}, {{distance, 0, 0}, {0, -distance, 0}, {-distance, distance, distance}});
@@ -55,8 +51,7 @@ TEST(ProjectionStrays, AsFarAwayAsFloatsReach)
   }
 }
 
-TEST(ProjectionStrays, PointsWithoutNormalAreSmoothedAsWellBesideThem)
-{
+TEST(ProjectionStrays, PointsWithoutNormalAreSmoothedAsWellBesideThem) {
   auto cloud = pcl_slim_test::sphereCloud<pcl::PointNormal>(5000, 1.0, 0.002);
   for (std::size_t i = 0; i < 3; ++i) (*cloud)[i].getNormalVector3fMap().setZero();
   Cloud expected, out;
@@ -72,8 +67,7 @@ TEST(ProjectionStrays, PointsWithoutNormalAreSmoothedAsWellBesideThem)
   }
 }
 
-TEST(ProjectionStrays, StraysOfStrays)
-{
+TEST(ProjectionStrays, StraysOfStrays) {
   std::vector<Eigen::Vector3f> strays;
   for (int i = 0; i < 12; ++i)
     strays.push_back({1e10f * (1.0f + 0.1f * static_cast<float>(i)), 0, 0});

@@ -17,9 +17,8 @@ using namespace pcl_slim;
 
 /** A sphere of radius 1 seen from inside, each point from half way to the middle. */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr
-hollowSphere(int count, std::vector<Eigen::Vector3d>& sensors)
-{
+typename pcl::PointCloud<PointT>::Ptr hollowSphere(int count,
+                                                   std::vector<Eigen::Vector3d>& sensors) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2 * i + 1.0) / count, turn = 2.399963229728653 * i,
@@ -35,17 +34,14 @@ hollowSphere(int count, std::vector<Eigen::Vector3d>& sensors)
 }
 
 template <typename PointT>
-std::size_t
-numOutward(const pcl::PointCloud<PointT>& cloud)
-{
+std::size_t numOutward(const pcl::PointCloud<PointT>& cloud) {
   std::size_t outward = 0;
   for (const PointT& p : cloud)
     outward += p.x * p.normal_x + p.y * p.normal_y + p.z * p.normal_z > 0;
   return outward;
 }
 
-TEST(SensorPositions, DecideTheSidesInEveryClassThatFits)
-{
+TEST(SensorPositions, DecideTheSidesInEveryClassThatFits) {
   std::vector<Eigen::Vector3d> sensors;
   const auto cloud = hollowSphere<pcl::PointXYZ>(4000, sensors);
 
@@ -92,8 +88,7 @@ TEST(SensorPositions, DecideTheSidesInEveryClassThatFits)
   EXPECT_EQ(mesh.getStatistics().sides.source, SideSource::kSensors);
 }
 
-TEST(SensorPositions, TurnEstimatedNormals)
-{
+TEST(SensorPositions, TurnEstimatedNormals) {
   std::vector<Eigen::Vector3d> sensors;
   const auto cloud = hollowSphere<pcl::PointXYZ>(3000, sensors);
   SLIMFit<pcl::PointXYZ> fit;
@@ -106,8 +101,7 @@ TEST(SensorPositions, TurnEstimatedNormals)
   EXPECT_EQ(numOutward(surfels), 0u);
 }
 
-TEST(SensorPositions, BelongToPointsNotToIndices)
-{
+TEST(SensorPositions, BelongToPointsNotToIndices) {
   std::vector<Eigen::Vector3d> sensors;
   const auto cloud = hollowSphere<pcl::PointXYZ>(6000, sensors);
   // The other half of the points is seen from outside: those of the indices are not.
@@ -135,8 +129,7 @@ TEST(SensorPositions, BelongToPointsNotToIndices)
   EXPECT_EQ(numOutward(smooth), 0u);
 }
 
-TEST(SensorPositions, OfAnOrganizedCloudComeBeforeItsOnlySensor)
-{
+TEST(SensorPositions, OfAnOrganizedCloudComeBeforeItsOnlySensor) {
   // Two cameras look at a sheet from both sides; their frames stand side by side in one cloud.
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>(120, 60);
   std::vector<Eigen::Vector3d> sensors;
@@ -171,8 +164,7 @@ TEST(SensorPositions, OfAnOrganizedCloudComeBeforeItsOnlySensor)
   check(true);
 }
 
-TEST(SensorPositions, ComeFromFieldsOfThePointType)
-{
+TEST(SensorPositions, ComeFromFieldsOfThePointType) {
   std::vector<Eigen::Vector3d> sensors;
   const auto cloud = hollowSphere<pcl::PointWithViewpoint>(3000, sensors);
   SLIMFit<pcl::PointWithViewpoint> fit;
@@ -201,9 +193,8 @@ TEST(SensorPositions, ComeFromFieldsOfThePointType)
 }
 
 /** A number of frames of a wavy sheet, with errors that 5 x 5 points of a frame share. */
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-wavyFrames(std::uint32_t count, std::vector<std::uint32_t>& numbers)
-{
+pcl::PointCloud<pcl::PointXYZ>::Ptr wavyFrames(std::uint32_t count,
+                                               std::vector<std::uint32_t>& numbers) {
   constexpr int kSide = 120, kShared = 5, kWide = kSide + kShared;
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   std::mt19937_64 random(3);
@@ -226,8 +217,7 @@ wavyFrames(std::uint32_t count, std::vector<std::uint32_t>& numbers)
   return cloud;
 }
 
-TEST(FrameNumbers, SeparateTheNoiseOfFramesInEveryClassThatFits)
-{
+TEST(FrameNumbers, SeparateTheNoiseOfFramesInEveryClassThatFits) {
   std::vector<std::uint32_t> numbers;
   const auto cloud = wavyFrames(2, numbers);
   const auto check = [&](auto& object, const auto& run) {
@@ -256,8 +246,7 @@ TEST(FrameNumbers, SeparateTheNoiseOfFramesInEveryClassThatFits)
   check(mesh, [&] { mesh.reconstruct(made); });
 }
 
-TEST(FrameNumbers, BelongToPointsNotToIndices)
-{
+TEST(FrameNumbers, BelongToPointsNotToIndices) {
   std::vector<std::uint32_t> numbers;
   const auto cloud = wavyFrames(2, numbers);
   SLIMFit<pcl::PointXYZ> fit;
@@ -273,8 +262,7 @@ TEST(FrameNumbers, BelongToPointsNotToIndices)
   EXPECT_EQ(fit.getStatistics().noise.frames, 0U) << "all of one frame";
 }
 
-TEST(FrameNumbers, AreRefusedWhereTheyDoNotFit)
-{
+TEST(FrameNumbers, AreRefusedWhereTheyDoNotFit) {
   std::vector<std::uint32_t> numbers;
   const auto cloud = wavyFrames(1, numbers);
   SLIMFit<pcl::PointXYZ> fit;
@@ -288,8 +276,7 @@ TEST(FrameNumbers, AreRefusedWhereTheyDoNotFit)
   EXPECT_TRUE(fit.fit(surface)) << "an empty vector is none";
 }
 
-TEST(SensorPositions, AreRefusedWhereTheyDoNotFit)
-{
+TEST(SensorPositions, AreRefusedWhereTheyDoNotFit) {
   std::vector<Eigen::Vector3d> sensors;
   const auto cloud = hollowSphere<pcl::PointXYZ>(500, sensors);
   SLIMFit<pcl::PointXYZ> fit;

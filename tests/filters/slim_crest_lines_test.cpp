@@ -17,9 +17,7 @@ using namespace pcl_slim;
 using PointCloud = pcl::PointCloud<pcl::PointXYZ>;
 
 /** An ellipsoid with axes 1, .8 and .5 about a centre; one ridge, the ellipse around it. */
-PointCloud::Ptr
-ellipsoid(int count, const Eigen::Vector3f& center = {0, 0, 0})
-{
+PointCloud::Ptr ellipsoid(int count, const Eigen::Vector3f& center = {0, 0, 0}) {
   auto cloud = std::make_shared<PointCloud>();
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * i + 1) / count, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
@@ -30,8 +28,7 @@ ellipsoid(int count, const Eigen::Vector3f& center = {0, 0, 0})
   return cloud;
 }
 
-TEST(SLIMCrestLines, FindsTheRidgeOfAnEllipsoid)
-{
+TEST(SLIMCrestLines, FindsTheRidgeOfAnEllipsoid) {
   SLIMCrestLines<pcl::PointXYZ> crest;
   crest.setInputCloud(ellipsoid(10000, {3, 0, 0}));
   CrestLines lines;
@@ -56,8 +53,7 @@ TEST(SLIMCrestLines, FindsTheRidgeOfAnEllipsoid)
   EXPECT_EQ(again.getFittedSurface(), nullptr);
 }
 
-TEST(SLIMCrestLines, GivesPointsWithTheCloudsHeader)
-{
+TEST(SLIMCrestLines, GivesPointsWithTheCloudsHeader) {
   SLIMCrestLines<pcl::PointXYZ> crest;
   auto cloud = ellipsoid(5000);
   cloud->header.frame_id = "table";
@@ -74,8 +70,7 @@ TEST(SLIMCrestLines, GivesPointsWithTheCloudsHeader)
   EXPECT_EQ(crest.getInputStatistics().non_finite, 1u);
 }
 
-TEST(SLIMCrestLines, ErrorsAreToldAndLeaveNothing)
-{
+TEST(SLIMCrestLines, ErrorsAreToldAndLeaveNothing) {
   SLIMCrestLines<pcl::PointXYZ> crest;
   CrestLines lines;
   lines.position.resize(3);
@@ -104,9 +99,7 @@ TEST(SLIMCrestLines, ErrorsAreToldAndLeaveNothing)
 }
 
 /** Two lines: three vertices open, and a closed triangle behind it. */
-CrestLines
-twoLines(double far)
-{
+CrestLines twoLines(double far) {
   CrestLines lines;
   for (int i = 0; i < 6; ++i) {
     const double x = i % 3 == 1 ? 1 : 0, y = i % 3 == 2 ? 1 : 0;
@@ -127,15 +120,12 @@ twoLines(double far)
   return lines;
 }
 
-std::string
-textOf(const std::string& path)
-{
+std::string textOf(const std::string& path) {
   const auto bytes = pcl_slim_test::fileBytes(path);
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(CrestFiles, EveryFormatHoldsTheLines)
-{
+TEST(CrestFiles, EveryFormatHoldsTheLines) {
   const pcl_slim_test::TemporaryFolder folder;
   const CrestLines lines = twoLines(0);
   for (const char* name : {"a.vtp", "a.ply", "a.pcd", "a.svg"}) {
@@ -163,14 +153,12 @@ TEST(CrestFiles, EveryFormatHoldsTheLines)
   EXPECT_EQ(folder.numFiles(), 4u);
 }
 
-TEST(CrestFiles, FarCoordinatesStayDouble)
-{
+TEST(CrestFiles, FarCoordinatesStayDouble) {
   EXPECT_EQ(toPointFile(twoLines(0)).cloud.fields[0].datatype, pcl::PCLPointField::FLOAT32);
   EXPECT_EQ(toPointFile(twoLines(5e6)).cloud.fields[0].datatype, pcl::PCLPointField::FLOAT64);
 }
 
-TEST(CrestFiles, APictureShowsEachSideInItsColour)
-{
+TEST(CrestFiles, APictureShowsEachSideInItsColour) {
   const CrestLines lines = twoLines(0);
   const auto paths = [](const std::string& svg, const char* color) {
     const std::size_t group = svg.find(color), end = svg.find("</g>", group);
@@ -192,8 +180,7 @@ TEST(CrestFiles, APictureShowsEachSideInItsColour)
   EXPECT_EQ(saveCrestLines(folder / "a.svg", lines, bad).code, ErrorCode::kBadArgument);
 }
 
-TEST(CrestFiles, WhatLiesBehindTheSurfaceIsLeftOut)
-{
+TEST(CrestFiles, WhatLiesBehindTheSurfaceIsLeftOut) {
   SLIMCrestLines<pcl::PointXYZ> crest;
   crest.setInputCloud(ellipsoid(5000));
   CrestLines lines;

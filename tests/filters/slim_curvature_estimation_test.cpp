@@ -22,8 +22,7 @@ struct CurvatureDoor {
   using Door = SLIMCurvatureEstimation<PointInT, PointOutT>;
   static constexpr bool kPrints = true;
 
-  static bool run(Door& door, std::vector<unsigned char>& output)
-  {
+  static bool run(Door& door, std::vector<unsigned char>& output) {
     pcl::PointCloud<PointOutT> cloud(3, 1);
     const bool done = door.compute(cloud);
     std::vector<float> values;
@@ -40,22 +39,16 @@ struct CurvatureDoor {
   }
 };
 
-Eigen::Vector3f
-direction1(const PointCurvature& c)
-{
+Eigen::Vector3f direction1(const PointCurvature& c) {
   return {c.direction1_x, c.direction1_y, c.direction1_z};
 }
 
-Eigen::Vector3f
-direction2(const PointCurvature& c)
-{
+Eigen::Vector3f direction2(const PointCurvature& c) {
   return {c.direction2_x, c.direction2_y, c.direction2_z};
 }
 
 /** What holds for every curvature there is. */
-void
-expectSound(const Curvatures& curvatures)
-{
+void expectSound(const Curvatures& curvatures) {
   for (const PointCurvature& c : curvatures) {
     ASSERT_GE(c.k1, c.k2);
     const float size = 1e-4f * (1.0f + std::abs(c.k1) + std::abs(c.k2));
@@ -68,9 +61,7 @@ expectSound(const Curvatures& curvatures)
   }
 }
 
-Curvatures
-curvaturesOf(const Cloud::ConstPtr& cloud, const Eigen::Vector3d* viewpoint = nullptr)
-{
+Curvatures curvaturesOf(const Cloud::ConstPtr& cloud, const Eigen::Vector3d* viewpoint = nullptr) {
   SLIMCurvatureEstimation<pcl::PointXYZ> estimation;
   estimation.setInputCloud(cloud);
   if (viewpoint) estimation.setViewPoint(viewpoint->x(), viewpoint->y(), viewpoint->z());
@@ -81,8 +72,7 @@ curvaturesOf(const Cloud::ConstPtr& cloud, const Eigen::Vector3d* viewpoint = nu
   return curvatures;
 }
 
-TEST(SLIMCurvatureEstimation, OfASphereIsOneOverItsRadius)
-{
+TEST(SLIMCurvatureEstimation, OfASphereIsOneOverItsRadius) {
   for (const double radius : {0.05, 20.0}) {
     const Curvatures outside = curvaturesOf(sphereCloud<pcl::PointXYZ>(6000, radius, 0.0));
     const Eigen::Vector3d middle(0, 0, 0);
@@ -97,8 +87,7 @@ TEST(SLIMCurvatureEstimation, OfASphereIsOneOverItsRadius)
   }
 }
 
-TEST(SLIMCurvatureEstimation, OfACylinderLiesAcrossItsAxis)
-{
+TEST(SLIMCurvatureEstimation, OfACylinderLiesAcrossItsAxis) {
   auto cloud = std::make_shared<Cloud>();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -121,8 +110,7 @@ TEST(SLIMCurvatureEstimation, OfACylinderLiesAcrossItsAxis)
   }
 }
 
-TEST(SLIMCurvatureEstimation, OfASaddleHasBothSigns)
-{
+TEST(SLIMCurvatureEstimation, OfASaddleHasBothSigns) {
   auto cloud = std::make_shared<Cloud>();
   std::mt19937 random(4);
   std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
@@ -144,8 +132,7 @@ TEST(SLIMCurvatureEstimation, OfASaddleHasBothSigns)
   }
 }
 
-TEST(SLIMCurvatureEstimation, OfATorusFollowsTheFormula)
-{
+TEST(SLIMCurvatureEstimation, OfATorusFollowsTheFormula) {
   const auto cloud = torusCloud<pcl::PointNormal>(20000, 0.0);
   SLIMCurvatureEstimation<pcl::PointNormal> estimation;
   estimation.setInputCloud(cloud);
@@ -167,8 +154,7 @@ TEST(SLIMCurvatureEstimation, OfATorusFollowsTheFormula)
   EXPECT_LT(across, 0.1) << "k1 lies along the tube's circle";
 }
 
-TEST(SLIMCurvatureEstimation, FillsPclsPrincipalCurvatures)
-{
+TEST(SLIMCurvatureEstimation, FillsPclsPrincipalCurvatures) {
   const auto cloud = torusCloud<pcl::PointXYZ>(5000, 0.0);
   SLIMCurvatureEstimation<pcl::PointXYZ, pcl::PrincipalCurvatures> estimation;
   estimation.setInputCloud(cloud);
@@ -187,8 +173,7 @@ TEST(SLIMCurvatureEstimation, FillsPclsPrincipalCurvatures)
   }
 }
 
-TEST(SLIMCurvatureEstimation, UnknownIsNanAndTheShapeStays)
-{
+TEST(SLIMCurvatureEstimation, UnknownIsNanAndTheShapeStays) {
   auto cloud = sphereCloud<pcl::PointXYZ>(6000, 1.0, 0.0);
   cloud->width = 60;
   cloud->height = 100;
@@ -214,8 +199,7 @@ TEST(SLIMCurvatureEstimation, UnknownIsNanAndTheShapeStays)
   EXPECT_NEAR(curvatures[90].k1, -1.0, 0.02);
 }
 
-TEST(SLIMCurvatureEstimation, FitsToTheSearchSurface)
-{
+TEST(SLIMCurvatureEstimation, FitsToTheSearchSurface) {
   const auto surface = sphereCloud<pcl::PointXYZ>(8000, 1.0, 0.0);
   auto few = std::make_shared<Cloud>();
   for (std::size_t i = 0; i < 40; ++i) {
@@ -235,8 +219,7 @@ TEST(SLIMCurvatureEstimation, FitsToTheSearchSurface)
   EXPECT_TRUE(curvatures.empty());
 }
 
-TEST(SLIMCurvatureEstimation, AGivenSurfaceIsUsed)
-{
+TEST(SLIMCurvatureEstimation, AGivenSurfaceIsUsed) {
   const auto cloud = torusCloud<pcl::PointXYZ>(6000, 0.001);
   SLIMCurvatureEstimation<pcl::PointXYZ> estimation;
   estimation.setInputCloud(cloud);

@@ -21,8 +21,7 @@ struct FitDoor {
   using Door = SLIMFit<PointT>;
   static constexpr bool kPrints = false;
 
-  static bool run(Door& door, std::vector<unsigned char>& output)
-  {
+  static bool run(Door& door, std::vector<unsigned char>& output) {
     SLIMSurface surface;
     surface.info.degree = 2;
     surface.resize(3);
@@ -33,9 +32,7 @@ struct FitDoor {
 };
 
 /** Largest distance of leaf centres from the bumpy sphere, as a check that a fit is one. */
-double
-largestCentreError(const SLIMSurface& surface)
-{
+double largestCentreError(const SLIMSurface& surface) {
   double largest = 0.0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     double p[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
@@ -49,9 +46,7 @@ largestCentreError(const SLIMSurface& surface)
 }
 
 /** An organized cloud as a camera at the origin sees it: a wavy wall, holes as NaN. */
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-cameraCloud()
-{
+pcl::PointCloud<pcl::PointXYZ>::Ptr cameraCloud() {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>(160, 120);
   for (int row = 0; row < 120; ++row) {
     for (int column = 0; column < 160; ++column) {
@@ -67,8 +62,7 @@ cameraCloud()
   return cloud;
 }
 
-TEST(SLIMFit, FitsEveryCompiledPointType)
-{
+TEST(SLIMFit, FitsEveryCompiledPointType) {
   const auto fits = [](auto point) {
     using Point = decltype(point);
     SLIMFit<Point> fit;
@@ -89,8 +83,7 @@ TEST(SLIMFit, FitsEveryCompiledPointType)
   fits(pcl::PointXYZRGBNormal());
 }
 
-TEST(SLIMFit, NormalsComeFromTheBestSource)
-{
+TEST(SLIMFit, NormalsComeFromTheBestSource) {
   const auto with_normals = bumpySphere<pcl::PointNormal>(3000);
   auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
@@ -116,8 +109,7 @@ TEST(SLIMFit, NormalsComeFromTheBestSource)
   EXPECT_EQ(fit.getError().code, ErrorCode::kBadInput);
 }
 
-TEST(SLIMFit, PointsWithoutNormalAmongOthersAreLeftOut)
-{
+TEST(SLIMFit, PointsWithoutNormalAmongOthersAreLeftOut) {
   auto cloud = bumpySphere<pcl::PointNormal>(3000);
   for (std::size_t i = 0; i < 100; ++i) (*cloud)[i].normal_x = std::nanf("");
   for (std::size_t i = 100; i < 150; ++i) (*cloud)[i].getNormalVector3fMap().setZero();
@@ -129,8 +121,7 @@ TEST(SLIMFit, PointsWithoutNormalAmongOthersAreLeftOut)
   EXPECT_EQ(fit.getStatistics().points, 2850u);
 }
 
-TEST(SLIMFit, AnySearchObjectServesNormals)
-{
+TEST(SLIMFit, AnySearchObjectServesNormals) {
   const auto cloud = cameraCloud();
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(cloud);
@@ -152,8 +143,7 @@ TEST(SLIMFit, AnySearchObjectServesNormals)
   }
 }
 
-TEST(SLIMFit, UnsuitableSearchAndNeighbourhoodAreErrors)
-{
+TEST(SLIMFit, UnsuitableSearchAndNeighbourhoodAreErrors) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
   fit.setNormalEstimationNeighbors(10);
@@ -170,8 +160,7 @@ TEST(SLIMFit, UnsuitableSearchAndNeighbourhoodAreErrors)
   EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;
 }
 
-TEST(SLIMFit, NeighboursBeyondThePointsAndCoordinatesBeyondSquaresAreErrors)
-{
+TEST(SLIMFit, NeighboursBeyondThePointsAndCoordinatesBeyondSquaresAreErrors) {
   SLIMFit<pcl::PointXYZ> fit;
   auto cloud = bumpySphere<pcl::PointXYZ>(500);
   fit.setInputCloud(cloud);
@@ -189,8 +178,7 @@ TEST(SLIMFit, NeighboursBeyondThePointsAndCoordinatesBeyondSquaresAreErrors)
   }
 }
 
-TEST(SLIMFit, TooManyThreadsAreAnError)
-{
+TEST(SLIMFit, TooManyThreadsAreAnError) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
   SLIMSurface surface;
@@ -206,8 +194,7 @@ TEST(SLIMFit, TooManyThreadsAreAnError)
   }
 }
 
-TEST(SLIMFit, PointsThatAreNoSurfaceAreAnError)
-{
+TEST(SLIMFit, PointsThatAreNoSurfaceAreAnError) {
   auto line = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (int i = 0; i < 500; ++i) {
     const auto t = static_cast<float>(i);
@@ -222,8 +209,7 @@ TEST(SLIMFit, PointsThatAreNoSurfaceAreAnError)
   EXPECT_EQ(fit.getStatistics().points, 500u);
 }
 
-TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices)
-{
+TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices) {
   auto cloud = bumpySphere<pcl::PointXYZ>(2000);
   for (std::size_t i = 0; i < 2000; i += 50) (*cloud)[i].x = std::nanf("");
   cloud->is_dense = true;  // a lie
@@ -239,8 +225,7 @@ TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices)
   EXPECT_FALSE(surface.validate());
 }
 
-TEST(SLIMFit, ViewPointDecidesTheSide)
-{
+TEST(SLIMFit, ViewPointDecidesTheSide) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(cameraCloud());
   SLIMSurface surface;
@@ -251,8 +236,7 @@ TEST(SLIMFit, ViewPointDecidesTheSide)
   }
 }
 
-TEST(SLIMFit, NamesOutliersByTheirIndices)
-{
+TEST(SLIMFit, NamesOutliersByTheirIndices) {
   const auto cloud = cameraCloud();
   const std::vector<std::int32_t> raised = {0, 5000, 11110};
   for (const std::int32_t i : raised) {
@@ -270,8 +254,7 @@ TEST(SLIMFit, NamesOutliersByTheirIndices)
   EXPECT_TRUE(fit.getOutliers().empty());
 }
 
-TEST(SLIMFit, BadParametersAreErrors)
-{
+TEST(SLIMFit, BadParametersAreErrors) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(bumpySphere<pcl::PointXYZ>(200));
   SLIMSurface surface;
@@ -289,8 +272,7 @@ TEST(SLIMFit, BadParametersAreErrors)
   EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;
 }
 
-TEST(SLIMFit, GivesPointsThatMakeTheSameSurface)
-{
+TEST(SLIMFit, GivesPointsThatMakeTheSameSurface) {
   auto cloud = bumpySphere<pcl::PointXYZ>(3000);
   cloud->header.frame_id = "scanner";
   SLIMFit<pcl::PointXYZ> fit;
@@ -313,8 +295,7 @@ TEST(SLIMFit, GivesPointsThatMakeTheSameSurface)
   EXPECT_TRUE(surfels.empty());
 }
 
-TEST(SLIMFit, FittedFilesAreInWorldCoordinates)
-{
+TEST(SLIMFit, FittedFilesAreInWorldCoordinates) {
   auto cloud = bumpySphere<pcl::PointXYZ>(3000);
   for (auto& p : *cloud) p.x += 40.0f;
   SLIMFit<pcl::PointXYZ> fit;

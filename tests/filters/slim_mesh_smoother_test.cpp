@@ -15,9 +15,7 @@ namespace {
 using namespace pcl_slim;
 
 template <typename PointT>
-pcl::PolygonMesh::Ptr
-noisySphere(int n = 16)
-{
+pcl::PolygonMesh::Ptr noisySphere(int n = 16) {
   pcl_slim_test::TestMesh sphere = pcl_slim_test::sphereMesh(n);
   pcl_slim_test::addNoise(0.01, sphere);
   pcl::PointCloud<PointT> cloud;
@@ -42,9 +40,7 @@ noisySphere(int n = 16)
 }
 
 template <typename PointT>
-double
-errorOf(const pcl::PolygonMesh& mesh)
-{
+double errorOf(const pcl::PolygonMesh& mesh) {
   pcl::PointCloud<PointT> cloud;
   pcl::fromPCLPointCloud2(mesh.cloud, cloud);
   double sum = 0;
@@ -52,8 +48,7 @@ errorOf(const pcl::PolygonMesh& mesh)
   return std::sqrt(sum / static_cast<double>(cloud.size()));
 }
 
-TEST(SLIMMeshSmoother, KeepsOrderFieldsAndFaces)
-{
+TEST(SLIMMeshSmoother, KeepsOrderFieldsAndFaces) {
   const auto mesh = noisySphere<pcl::PointXYZINormal>();
   SLIMMeshSmoother smoother;
   smoother.setInputMesh(mesh);
@@ -86,8 +81,7 @@ TEST(SLIMMeshSmoother, KeepsOrderFieldsAndFaces)
   EXPECT_LT(errorOf<pcl::PointXYZI>(*again), 0.5 * errorOf<pcl::PointXYZI>(*mesh));
 }
 
-TEST(SLIMMeshSmoother, SetterOfSharpFeaturesDecides)
-{
+TEST(SLIMMeshSmoother, SetterOfSharpFeaturesDecides) {
   SLIMMeshSmoother smoother;
   EXPECT_EQ(smoother.getEdges(), MeshEdges::kMeasured);
   smoother.setInputMesh(noisySphere<pcl::PointXYZI>());
@@ -101,8 +95,7 @@ TEST(SLIMMeshSmoother, SetterOfSharpFeaturesDecides)
   EXPECT_EQ(smoother.getMeshStatistics().sharp_share, 0);
 }
 
-TEST(SLIMMeshSmoother, ErrorsAreToldAndLeaveNothing)
-{
+TEST(SLIMMeshSmoother, ErrorsAreToldAndLeaveNothing) {
   SLIMMeshSmoother smoother;
   const auto expect = [&](const std::string& word) {
     pcl::PolygonMesh out = *noisySphere<pcl::PointXYZI>(4);

@@ -41,9 +41,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-pcl::PointCloud<GradedPoint>::Ptr
-gradedCloud()
-{
+pcl::PointCloud<GradedPoint>::Ptr gradedCloud() {
   auto cloud = pcl_slim_test::bumpySphere<GradedPoint>(3000);
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     (*cloud)[i].tag = static_cast<std::uint16_t>(i);
@@ -52,8 +50,7 @@ gradedCloud()
   return cloud;
 }
 
-TEST(CustomPoint, IsSmoothedWithItsFields)
-{
+TEST(CustomPoint, IsSmoothedWithItsFields) {
   SLIMProjectionSmoother<GradedPoint, BentPoint> smoother;
   smoother.setInputCloud(gradedCloud());
   smoother.setNormalEstimationNeighbors(12);
@@ -73,8 +70,7 @@ TEST(CustomPoint, IsSmoothedWithItsFields)
   EXPECT_EQ(moved[2999].grade, 1499.5f);
 }
 
-TEST(CustomPoint, TakesTheCurvaturesItHasFieldsFor)
-{
+TEST(CustomPoint, TakesTheCurvaturesItHasFieldsFor) {
   SLIMCurvatureEstimation<pcl::PointXYZ, BentPoint> estimation;
   estimation.setInputCloud(pcl_slim_test::bumpySphere<pcl::PointXYZ>(3000));
   pcl::PointCloud<BentPoint> out;

@@ -20,8 +20,7 @@ struct SmootherDoor {
   using Door = SLIMProjectionSmoother<PointInT, PointOutT>;
   static constexpr bool kPrints = true;
 
-  static bool run(Door& door, std::vector<unsigned char>& output)
-  {
+  static bool run(Door& door, std::vector<unsigned char>& output) {
     pcl::PointCloud<PointOutT> cloud(3, 1);
     door.process(cloud);
     EXPECT_EQ(static_cast<std::size_t>(cloud.width) * cloud.height, cloud.size());
@@ -31,9 +30,7 @@ struct SmootherDoor {
 };
 
 /** An organized cloud as a camera at the origin sees it: a step in depth, holes, noise, colours. */
-pcl::PointCloud<pcl::PointXYZRGB>::Ptr
-cameraCloud()
-{
+pcl::PointCloud<pcl::PointXYZRGB>::Ptr cameraCloud() {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(160, 120);
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0.0f, 0.002f);
@@ -58,9 +55,7 @@ cameraCloud()
 }
 
 template <typename PointT, typename Distance>
-double
-rms(const pcl::PointCloud<PointT>& cloud, const Distance& distance)
-{
+double rms(const pcl::PointCloud<PointT>& cloud, const Distance& distance) {
   double sum_sq = 0.0;
   for (const PointT& p : cloud) sum_sq += distance(p) * distance(p);
   return std::sqrt(sum_sq / static_cast<double>(cloud.size()));
@@ -68,9 +63,7 @@ rms(const pcl::PointCloud<PointT>& cloud, const Distance& distance)
 
 /** Noise left of noisy spheres and tori; normals given or not. */
 template <typename PointT>
-void
-expectNoiseGone()
-{
+void expectNoiseGone() {
   constexpr double kSigma = 0.003;
   SLIMProjectionSmoother<PointT, pcl::PointNormal> smoother;
   pcl::PointCloud<pcl::PointNormal> out;
@@ -96,18 +89,15 @@ expectNoiseGone()
   EXPECT_LT(rms(out, torus), 0.2 * kSigma);
 }
 
-TEST(SLIMProjectionSmoother, TakesNoiseAwayWithoutNormals)
-{
+TEST(SLIMProjectionSmoother, TakesNoiseAwayWithoutNormals) {
   expectNoiseGone<pcl::PointXYZ>();
 }
 
-TEST(SLIMProjectionSmoother, TakesNoiseAwayWithNormals)
-{
+TEST(SLIMProjectionSmoother, TakesNoiseAwayWithNormals) {
   expectNoiseGone<pcl::PointNormal>();
 }
 
-TEST(SLIMProjectionSmoother, KeepsOrderShapeHeaderAndFields)
-{
+TEST(SLIMProjectionSmoother, KeepsOrderShapeHeaderAndFields) {
   const auto cloud = cameraCloud();
   SLIMProjectionSmoother<pcl::PointXYZRGB, pcl::PointXYZRGBNormal> smoother;
   smoother.setInputCloud(cloud);
@@ -140,8 +130,7 @@ TEST(SLIMProjectionSmoother, KeepsOrderShapeHeaderAndFields)
   EXPECT_GT(statistics.moved, 9 * (out.size() - holes) / 10);
 }
 
-TEST(SLIMProjectionSmoother, OnePointPerIndexInTheirOrder)
-{
+TEST(SLIMProjectionSmoother, OnePointPerIndexInTheirOrder) {
   const auto cloud = cameraCloud();
   auto indices = std::make_shared<pcl::Indices>();
   for (pcl::index_t i = 12000; i >= 0; i -= 2) indices->push_back(i);
@@ -162,8 +151,7 @@ TEST(SLIMProjectionSmoother, OnePointPerIndexInTheirOrder)
   EXPECT_EQ(out[twin].getVector3fMap(), out.back().getVector3fMap());
 }
 
-TEST(SLIMProjectionSmoother, EqualPointsMoveAlike)
-{
+TEST(SLIMProjectionSmoother, EqualPointsMoveAlike) {
   auto cloud = sphereCloud<pcl::PointXYZ>(4000, 1.0, 0.004);
   for (std::size_t i = 0; i < 500; ++i) cloud->push_back((*cloud)[7 * i]);
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
@@ -178,8 +166,7 @@ TEST(SLIMProjectionSmoother, EqualPointsMoveAlike)
   }
 }
 
-TEST(SLIMProjectionSmoother, OutliersKeepTheirPlaceAndAreListed)
-{
+TEST(SLIMProjectionSmoother, OutliersKeepTheirPlaceAndAreListed) {
   auto cloud = sphereCloud<pcl::PointXYZ>(5000, 1.0, 0.001);
   const std::vector<Eigen::Vector3f> lone = {{0, 0, 3}, {1.7f, 1.7f, 0}};
   for (std::size_t i = 0; i < lone.size(); ++i) {
@@ -210,8 +197,7 @@ TEST(SLIMProjectionSmoother, OutliersKeepTheirPlaceAndAreListed)
   EXPECT_EQ(std::count(some.begin(), some.end(), 1000), 1) << "indices of the input cloud";
 }
 
-TEST(SLIMProjectionSmoother, PointsWithoutNormalAmongOthersAreSmoothed)
-{
+TEST(SLIMProjectionSmoother, PointsWithoutNormalAmongOthersAreSmoothed) {
   auto cloud = sphereCloud<pcl::PointNormal>(20000, 1.0, 0.003);
   for (std::size_t i = 0; i < cloud->size(); i += 10) {
     auto& p = (*cloud)[i];
@@ -228,8 +214,7 @@ TEST(SLIMProjectionSmoother, PointsWithoutNormalAmongOthersAreSmoothed)
   for (const auto& p : out) ASSERT_GT(p.getNormalVector3fMap().dot(p.getVector3fMap()), 0.9f);
 }
 
-TEST(SLIMProjectionSmoother, TheOutputMayBeTheInput)
-{
+TEST(SLIMProjectionSmoother, TheOutputMayBeTheInput) {
   auto cloud = sphereCloud<pcl::PointXYZ>(3000, 1.0, 0.003);
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
   smoother.setInputCloud(cloud);
@@ -239,8 +224,7 @@ TEST(SLIMProjectionSmoother, TheOutputMayBeTheInput)
   EXPECT_EQ(bytesOf(apart), bytesOf(*cloud));
 }
 
-TEST(SLIMProjectionSmoother, ServesAsPclsBaseClass)
-{
+TEST(SLIMProjectionSmoother, ServesAsPclsBaseClass) {
   SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
   pcl::CloudSurfaceProcessing<pcl::PointXYZ, pcl::PointNormal>& base = smoother;
   pcl::PointCloud<pcl::PointNormal> out(4, 1);
@@ -251,8 +235,7 @@ TEST(SLIMProjectionSmoother, ServesAsPclsBaseClass)
   EXPECT_EQ(out.size(), 1000u);
 }
 
-TEST(SLIMProjectionSmoother, PointsThatAreNoSurfaceStayAndAreWarnedOf)
-{
+TEST(SLIMProjectionSmoother, PointsThatAreNoSurfaceStayAndAreWarnedOf) {
   auto line = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (int i = 0; i < 500; ++i) {
     const auto t = static_cast<float>(i);
@@ -278,8 +261,7 @@ TEST(SLIMProjectionSmoother, PointsThatAreNoSurfaceStayAndAreWarnedOf)
   EXPECT_TRUE(smoother.getWarning().empty());
 }
 
-TEST(SLIMProjectionSmoother, BadParametersAreErrors)
-{
+TEST(SLIMProjectionSmoother, BadParametersAreErrors) {
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
   smoother.setInputCloud(bumpySphere<pcl::PointXYZ>(300));
   pcl::PointCloud<pcl::PointXYZ> out;
@@ -297,8 +279,7 @@ TEST(SLIMProjectionSmoother, BadParametersAreErrors)
   EXPECT_TRUE(smoother.getError());
 }
 
-TEST(SLIMProjectionSmoother, FarFromTheOriginFloatsSetTheLimit)
-{
+TEST(SLIMProjectionSmoother, FarFromTheOriginFloatsSetTheLimit) {
   auto cloud = sphereCloud<pcl::PointXYZ>(8000, 1.0, 0.003);
   for (auto& p : *cloud) p.x += 1000.0f;
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;

@@ -14,8 +14,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor)
-{
+TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor) {
   const auto outward = sphereCloud<pcl::PointNormal>(3000, 1.0, 0.001);
   auto inward = std::make_shared<pcl::PointCloud<pcl::PointNormal>>(*outward);
   auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
@@ -58,8 +57,7 @@ TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor)
   for (const auto& p : out) ASSERT_EQ(p.getNormalVector3fMap(), Eigen::Vector3f::Zero());
 }
 
-TEST(SLIMProjectionSmoother, AGivenSurfaceIsUsed)
-{
+TEST(SLIMProjectionSmoother, AGivenSurfaceIsUsed) {
   const auto cloud = torusCloud<pcl::PointXYZ>(12000, 0.002);
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
   smoother.setInputCloud(cloud);
@@ -86,8 +84,7 @@ TEST(SLIMProjectionSmoother, AGivenSurfaceIsUsed)
   }
 }
 
-TEST(SLIMProjectionSmoother, ASurfaceOfSomethingElseIsAnError)
-{
+TEST(SLIMProjectionSmoother, ASurfaceOfSomethingElseIsAnError) {
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
   smoother.setInputCloud(torusCloud<pcl::PointXYZ>(5000, 0.0));
   pcl::PointCloud<pcl::PointXYZ> out;

@@ -23,8 +23,7 @@ struct ReconstructionTraits {
   using Door = SLIMReconstruction<PointT>;
   static constexpr bool kPrints = true;
 
-  static bool run(Door& door, std::vector<unsigned char>& output)
-  {
+  static bool run(Door& door, std::vector<unsigned char>& output) {
     pcl::PolygonMesh mesh;
     mesh.cloud.width = 3;
     mesh.polygons.resize(2);
@@ -41,8 +40,7 @@ struct ReconstructionTraits {
   }
 };
 
-TEST(SLIMReconstruction, SharpFeaturesGiveACubeItsCorners)
-{
+TEST(SLIMReconstruction, SharpFeaturesGiveACubeItsCorners) {
   pcl::PointCloud<pcl::PointNormal>::Ptr cloud(new pcl::PointCloud<pcl::PointNormal>);
   for (int i = 0; i < 6000; ++i) {
     float p[3], n[3] = {};
@@ -65,8 +63,7 @@ TEST(SLIMReconstruction, SharpFeaturesGiveACubeItsCorners)
   EXPECT_LT(nearest, 0.01);
 }
 
-TEST(SLIMReconstruction, StandsWherePoissonStands)
-{
+TEST(SLIMReconstruction, StandsWherePoissonStands) {
   const auto cloud = bumpySphere<pcl::PointNormal>(5000);
   cloud->header.frame_id = "scanner";
   // As a caller of pcl::Poisson would have it, through the base class.
@@ -96,8 +93,7 @@ TEST(SLIMReconstruction, StandsWherePoissonStands)
   EXPECT_EQ(again.back().x, points.back().x);
 }
 
-TEST(SLIMReconstruction, IsClosedAndFollowsItsSetters)
-{
+TEST(SLIMReconstruction, IsClosedAndFollowsItsSetters) {
   SLIMReconstruction<pcl::PointXYZ> reconstruction;
   reconstruction.setInputCloud(bumpySphere<pcl::PointXYZ>(5000));
   pcl::PolygonMesh mesh;
@@ -129,8 +125,7 @@ TEST(SLIMReconstruction, IsClosedAndFollowsItsSetters)
   EXPECT_TRUE(mesh.cloud.data.empty());
 }
 
-TEST(SLIMReconstruction, ColoursComeFromThePoints)
-{
+TEST(SLIMReconstruction, ColoursComeFromThePoints) {
   auto cloud = bumpySphere<pcl::PointXYZRGB>(5000);
   for (auto& p : *cloud) {
     p.r = p.x > 0 ? 250 : 10;

@@ -19,18 +19,14 @@ using Mls = pcl::MovingLeastSquares<pcl::PointXYZI, pcl::PointXYZINormal>;
 using Slim = SLIMProjectionSmoother<pcl::PointXYZI, pcl::PointXYZINormal>;
 
 /** The unit sphere with noise of .002, without what is above z = top; intensity is the index. */
-Cloud::Ptr
-sphere(std::size_t count, double top = 2.0)
-{
+Cloud::Ptr sphere(std::size_t count, double top = 2.0) {
   const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZI>(count, 1.0, 0.002, top);
   for (std::size_t i = 0; i < cloud->size(); ++i) (*cloud)[i].intensity = static_cast<float>(i);
   return cloud;
 }
 
 /** Points are on the sphere, normals are unit and radial, fields are those of the points named. */
-void
-expectOnSphere(const Slim& slim, const Normals& made, double tolerance)
-{
+void expectOnSphere(const Slim& slim, const Normals& made, double tolerance) {
   const pcl::Indices& source = slim.getCorrespondingIndices()->indices;
   ASSERT_EQ(source.size(), made.size());
   EXPECT_EQ(made.height, 1u);
@@ -43,14 +39,11 @@ expectOnSphere(const Slim& slim, const Normals& made, double tolerance)
   }
 }
 
-double
-distance(const pcl::PointXYZINormal& a, const pcl::PointXYZI& b)
-{
+double distance(const pcl::PointXYZINormal& a, const pcl::PointXYZI& b) {
   return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-TEST(Upsampling, NoneGivesTheIndicesAskedFor)
-{
+TEST(Upsampling, NoneGivesTheIndicesAskedFor) {
   Slim slim;
   slim.setInputCloud(sphere(2000));
   slim.setIndices(std::make_shared<pcl::Indices>([] {
@@ -64,8 +57,7 @@ TEST(Upsampling, NoneGivesTheIndicesAskedFor)
   EXPECT_EQ(slim.getCorrespondingIndices()->indices[7], 15);
 }
 
-TEST(Upsampling, LocalPlanesAreSampledAsMlsSamplesThem)
-{
+TEST(Upsampling, LocalPlanesAreSampledAsMlsSamplesThem) {
   const auto cloud = sphere(1500);
   const auto run = [&](auto& smoother) {
     smoother.setInputCloud(cloud);
@@ -89,8 +81,7 @@ TEST(Upsampling, LocalPlanesAreSampledAsMlsSamplesThem)
   }
 }
 
-TEST(Upsampling, RandomSamplesMeetTheDensityAndRepeat)
-{
+TEST(Upsampling, RandomSamplesMeetTheDensityAndRepeat) {
   const auto cloud = sphere(1500);
   const auto run = [&](auto& smoother) {
     smoother.setInputCloud(cloud);
@@ -115,8 +106,7 @@ TEST(Upsampling, RandomSamplesMeetTheDensityAndRepeat)
   for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_EQ(repeated[i].x, ours[i].x);
 }
 
-TEST(Upsampling, VoxelsAreThoseOfMlsAndFillAHole)
-{
+TEST(Upsampling, VoxelsAreThoseOfMlsAndFillAHole) {
   const auto cloud = sphere(6000, 0.97);
   const auto run = [&](auto& smoother, int dilations) {
     smoother.setInputCloud(cloud);
@@ -144,8 +134,7 @@ TEST(Upsampling, VoxelsAreThoseOfMlsAndFillAHole)
   EXPECT_GT(inHole(wide), 20);
 }
 
-TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields)
-{
+TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields) {
   const auto cloud = sphere(4000);
   auto distinct = std::make_shared<Cloud>();
   for (int i = 0; i < 500; ++i) {
@@ -175,8 +164,7 @@ TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields)
   }
 }
 
-TEST(Upsampling, ParametersOutOfRangeAreNamed)
-{
+TEST(Upsampling, ParametersOutOfRangeAreNamed) {
   Slim slim;
   slim.setInputCloud(sphere(200));
   const auto expect = [&](const char* words) {

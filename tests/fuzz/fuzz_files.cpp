@@ -21,8 +21,7 @@ using namespace pcl_slim;
 class BytesFile {
  public:
   BytesFile(const std::uint8_t* bytes, std::size_t size, const std::string& extension)
-      : path_("/tmp/pcl_slim_fuzz_" + std::to_string(getpid()) + extension)
-  {
+      : path_("/tmp/pcl_slim_fuzz_" + std::to_string(getpid()) + extension) {
     std::FILE* const file = std::fopen(path_.c_str(), "wb");
     if (file == nullptr || std::fwrite(bytes, 1, size, file) != size) std::abort();
     std::fclose(file);
@@ -37,10 +36,9 @@ class BytesFile {
   std::string path_;
 };
 
-/** Points, and what surfaces and splats they make; a file that is read is written and read again. */
-void
-readPoints(const std::string& path, const std::string& extension)
-{
+/** Points, and what surfaces and splats they make; a file that is read is written and read again.
+ */
+void readPoints(const std::string& path, const std::string& extension) {
   const Result<PointFile> file = loadPointFile(path);
   if (!file) return;
   static_cast<void>(surfaceFrom(*file));
@@ -55,26 +53,20 @@ readPoints(const std::string& path, const std::string& extension)
 
 }  // namespace
 
-int
-fuzzPcd(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzPcd(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".pcd");
   readPoints(file.path(), ".pcd");
   return 0;
 }
 
-int
-fuzzPly(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzPly(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".ply");
   readPoints(file.path(), ".ply");
   return 0;
 }
 
 /** Coordinates that a LAS file cannot hold are an error; what is written can be read. */
-int
-fuzzLas(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzLas(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".las");
   const Result<PointFile> points = loadPointFile(file.path());
   if (!points) return 0;
@@ -87,9 +79,7 @@ fuzzLas(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
-int
-fuzzText(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzText(const std::uint8_t* bytes, std::size_t size) {
   for (const char* extension : {".csv", ".pts"}) {
     const BytesFile file(bytes, size, extension);
     readPoints(file.path(), ".pcd");
@@ -97,9 +87,7 @@ fuzzText(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
-int
-fuzzMesh(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzMesh(const std::uint8_t* bytes, std::size_t size) {
   for (const char* extension : {".obj", ".off", ".stl"}) {
     const BytesFile file(bytes, size, extension);
     readPoints(file.path(), ".ply");
@@ -107,9 +95,7 @@ fuzzMesh(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
-int
-fuzzVtp(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzVtp(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".vtp");
   readPoints(file.path(), ".vtp");
   const Result<SLIMSurface> surface = loadSurface(file.path());
@@ -117,9 +103,7 @@ fuzzVtp(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
-int
-fuzzCamera(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzCamera(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".txt");
   const Result<Camera> camera = loadCamera(file.path());
   if (!camera) return 0;

@@ -22,15 +22,11 @@ using namespace pcl_slim;
 
 constexpr std::size_t kMostPoints = 400;  ///< a run is to take milliseconds
 
-void
-require(bool condition)
-{
+void require(bool condition) {
   if (!condition) std::abort();
 }
 
-void
-require(const Error& error)
-{
+void require(const Error& error) {
   require(!error);
 }
 
@@ -40,8 +36,7 @@ struct FuzzCloud {
   std::vector<std::uint8_t> bgr;
   CloudView view;
 
-  FuzzCloud(const std::uint8_t* bytes, std::size_t size, bool normals)
-  {
+  FuzzCloud(const std::uint8_t* bytes, std::size_t size, bool normals) {
     const std::size_t row = normals ? 6 : 3;
     values.resize(std::min(size / (4 * row), kMostPoints) * row);
     std::memcpy(values.data(), bytes, 4 * values.size());
@@ -55,9 +50,7 @@ struct FuzzCloud {
   }
 };
 
-void
-renderSurfaceOf(const SLIMSurface& surface)
-{
+void renderSurfaceOf(const SLIMSurface& surface) {
   const BoundingSpheres spheres = spheresOf(surface);
   const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
   if (camera.validate()) return;
@@ -71,9 +64,7 @@ renderSurfaceOf(const SLIMSurface& surface)
   }
 }
 
-void
-fitAndRender(const CloudView& view, int degree)
-{
+void fitAndRender(const CloudView& view, int degree) {
   const Result<PointStore> store = PointStore::build(view, 1);
   if (!store) return;
   FitParams params;
@@ -94,9 +85,7 @@ fitAndRender(const CloudView& view, int degree)
   renderSurfaceOf(surface);
 }
 
-void
-sampleAndRender(const FuzzCloud& cloud)
-{
+void sampleAndRender(const FuzzCloud& cloud) {
   SplatParams params;
   params.threads = 1;
   SplatSet splats;
@@ -114,9 +103,7 @@ sampleAndRender(const FuzzCloud& cloud)
 
 }  // namespace
 
-int
-fuzzSlim(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzSlim(const std::uint8_t* bytes, std::size_t size) {
   const Result<SLIMSurface> surface = decodeSlim(bytes, size);
   if (!surface) return 0;
   require(surface->validate());
@@ -128,9 +115,7 @@ fuzzSlim(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
-int
-fuzzClouds(const std::uint8_t* bytes, std::size_t size)
-{
+int fuzzClouds(const std::uint8_t* bytes, std::size_t size) {
   if (size < 2) return 0;
   const FuzzCloud cloud(bytes + 2, size - 2, bytes[0] % 2 == 1);
   fitAndRender(cloud.view, bytes[1] % 5);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// pcl_slim_fuzz_replay CORPUS: past failures and a few good inputs through the fuzzers' targets, in the
-// suite, by any compiler and on every set of instructions. With -seeds it writes the good inputs instead.
+// pcl_slim_fuzz_replay CORPUS: past failures and a few good inputs through the fuzzers' targets, in
+// the suite, by any compiler and on every set of instructions. With -seeds it writes the good
+// inputs instead.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -30,9 +31,7 @@ constexpr Target kTargets[] = {{"slim", fuzzSlim}, {"pcd", fuzzPcd},       {"ply
                                {"vtp", fuzzVtp},   {"camera", fuzzCamera}, {"clouds", fuzzClouds}};
 
 /** A hundred floats of a wave, as fuzzClouds() reads them. */
-Bytes
-waveBytes()
-{
+Bytes waveBytes() {
   std::vector<float> values;
   for (int i = 0; i < 144; ++i) {
     const float x = static_cast<float>(i % 12) / 12.0f, y = static_cast<float>(i / 12) / 12.0f;
@@ -45,9 +44,7 @@ waveBytes()
 }
 
 /** A surface of that wave in every format that holds one. */
-bool
-writeSeeds(const std::filesystem::path& corpus)
-{
+bool writeSeeds(const std::filesystem::path& corpus) {
   const Bytes wave = waveBytes();
   std::ofstream(corpus / "clouds" / "wave", std::ios::binary)
       .write(reinterpret_cast<const char*>(wave.data()), static_cast<std::streamsize>(wave.size()));
@@ -65,9 +62,7 @@ writeSeeds(const std::filesystem::path& corpus)
   return true;
 }
 
-std::size_t
-replay(const Target& target, const std::filesystem::path& folder)
-{
+std::size_t replay(const Target& target, const std::filesystem::path& folder) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::ifstream file(entry.path(), std::ios::binary);
@@ -80,9 +75,7 @@ replay(const Target& target, const std::filesystem::path& folder)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc < 2) return 2;
   const std::filesystem::path corpus(argv[1]);
   if (argc > 2 && std::string(argv[2]) == "-seeds") return writeSeeds(corpus) ? 0 : 1;

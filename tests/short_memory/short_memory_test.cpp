@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every class says in one sentence that memory is short, whichever allocation fails, and works again
-// afterwards. The program's own operator new fails when it is told to.
+// Every class says in one sentence that memory is short, whichever allocation fails, and works
+// again afterwards. The program's own operator new fails when it is told to.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -19,9 +19,7 @@ namespace {
 
 std::atomic<long> left{-1};  ///< allocations that go well until one fails; negative: all do
 
-void*
-allocated(std::size_t size, std::size_t alignment)
-{
+void* allocated(std::size_t size, std::size_t alignment) {
   if (left.load() >= 0 && left.fetch_sub(1) == 0) throw std::bad_alloc();
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   void* const place = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
@@ -31,49 +29,35 @@ allocated(std::size_t size, std::size_t alignment)
 
 }  // namespace
 
-void*
-operator new(std::size_t size)
-{
+void* operator new(std::size_t size) {
   return allocated(size, alignof(std::max_align_t));
 }
 
-void*
-operator new(std::size_t size, std::align_val_t alignment)
-{
+void* operator new(std::size_t size, std::align_val_t alignment) {
   return allocated(size, static_cast<std::size_t>(alignment));
 }
 
 // GCC takes what is inlined for a free() of what another operator allocated.
-[[gnu::noinline]] void
-operator delete(void* place) noexcept
-{
+[[gnu::noinline]] void operator delete(void* place) noexcept {
   std::free(place);
 }
 
-[[gnu::noinline]] void
-operator delete(void* place, std::size_t) noexcept
-{
+[[gnu::noinline]] void operator delete(void* place, std::size_t) noexcept {
   std::free(place);
 }
 
-[[gnu::noinline]] void
-operator delete(void* place, std::align_val_t) noexcept
-{
+[[gnu::noinline]] void operator delete(void* place, std::align_val_t) noexcept {
   std::free(place);
 }
 
-[[gnu::noinline]] void
-operator delete(void* place, std::size_t, std::align_val_t) noexcept
-{
+[[gnu::noinline]] void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
   std::free(place);
 }
 
 namespace pcl_slim {
 namespace {
 
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-wavyCloud(int side = 30)
-{
+pcl::PointCloud<pcl::PointXYZ>::Ptr wavyCloud(int side = 30) {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   const float spacing = 0.9f / static_cast<float>(side);
   for (int i = 0; i < side * side; ++i) {
@@ -84,12 +68,10 @@ wavyCloud(int side = 30)
   return cloud;
 }
 
-/** Runs work(), which says whether it went well, with the k-th allocation failing, for growing k until
- * none is reached. */
+/** Runs work(), which says whether it went well, with the k-th allocation failing, for growing k
+ * until none is reached. */
 template <typename Door, typename Work>
-void
-expectSentences(Door& door, const Work& work)
-{
+void expectSentences(Door& door, const Work& work) {
   int failures = 0;
   for (long k = 0; k < 2000000; k += 1 + k / 12) {
     left = k;
@@ -114,8 +96,7 @@ expectSentences(Door& door, const Work& work)
   EXPECT_TRUE(work()) << door.getError().message;
 }
 
-TEST(ShortMemory, AFitSaysSo)
-{
+TEST(ShortMemory, AFitSaysSo) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(wavyCloud());
   for (const unsigned int threads : {1u, 2u, 3u}) {
@@ -126,8 +107,7 @@ TEST(ShortMemory, AFitSaysSo)
   }
 }
 
-TEST(ShortMemory, AFitOfManyBallsSaysSo)
-{
+TEST(ShortMemory, AFitOfManyBallsSaysSo) {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(wavyCloud(120));
   fit.setNumberOfThreads(2);
@@ -138,9 +118,7 @@ TEST(ShortMemory, AFitOfManyBallsSaysSo)
 
 /** Fits while each of the first allocations fails in turn, among them those with which the pool of
  * threads sets itself up once a process. \return how many fits there were until one went well */
-int
-fitsUntilPoolStands()
-{
+int fitsUntilPoolStands() {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(wavyCloud(18));
   fit.setNumberOfThreads(2);
@@ -155,8 +133,7 @@ fitsUntilPoolStands()
   return 0;
 }
 
-TEST(ShortMemory, APoolOfThreadsThatCannotBeginDoesNotHang)
-{
+TEST(ShortMemory, APoolOfThreadsThatCannotBeginDoesNotHang) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process in which no loop has run yet
   EXPECT_EXIT(
       {
@@ -166,8 +143,7 @@ TEST(ShortMemory, APoolOfThreadsThatCannotBeginDoesNotHang)
       testing::ExitedWithCode(0), "");
 }
 
-TEST(ShortMemory, ASmoothingSaysSo)
-{
+TEST(ShortMemory, ASmoothingSaysSo) {
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;
   smoother.setInputCloud(wavyCloud());
   smoother.setNumberOfThreads(1);
@@ -178,8 +154,7 @@ TEST(ShortMemory, ASmoothingSaysSo)
   });
 }
 
-TEST(ShortMemory, SplatsSaySo)
-{
+TEST(ShortMemory, SplatsSaySo) {
   ColorOctreeSplatSampler<pcl::PointXYZ> sampler;
   sampler.setInputCloud(wavyCloud());
   sampler.setNumberOfThreads(1);

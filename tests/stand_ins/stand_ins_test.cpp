@@ -15,16 +15,13 @@ namespace {
 using pcl_slim_test::sphereSurface;
 using pcl_slim_test::TemporaryFolder;
 
-void
-expectRefused(const Error& error, const std::string& path, const std::string& remedy)
-{
+void expectRefused(const Error& error, const std::string& path, const std::string& remedy) {
   EXPECT_EQ(error.code, ErrorCode::kBadArgument);
   EXPECT_NE(error.message.find(path), std::string::npos) << error.message;
   EXPECT_NE(error.message.find(remedy), std::string::npos) << error.message;
 }
 
-TEST(StandIns, WithoutPngPicturesArePpm)
-{
+TEST(StandIns, WithoutPngPicturesArePpm) {
   const TemporaryFolder folder;
   const Image image{2, 1, {255, 0, 0, 0, 0, 255}};
   const std::string png = folder / "a.png";
@@ -44,8 +41,7 @@ TEST(StandIns, WithoutPngPicturesArePpm)
   EXPECT_EQ(std::string(bytes->begin(), bytes->end()), expected);
 }
 
-TEST(StandIns, WithoutVtpSurfacesAreOtherFiles)
-{
+TEST(StandIns, WithoutVtpSurfacesAreOtherFiles) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(2, 50);
   const std::string vtp = folder / "a.VTP";

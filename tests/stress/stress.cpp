@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_stress [CLOUDS [SEED]]: so many clouds of every family that anybody may feed us, through
 // every class, each cloud in a process of its own. Prints a table of what came out, and what failed
-// with the number that makes it again. PCL_SLIM_STRESS=CLOUDS asks for the long form where the suite
-// runs it.
+// with the number that makes it again. PCL_SLIM_STRESS=CLOUDS asks for the long form where the
+// suite runs it.
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,18 +28,14 @@ struct Cell {
   std::size_t results = 0, refusals = 0, failures = 0;
 };
 
-std::mt19937_64
-randomOf(std::uint64_t seed, std::size_t family, std::size_t number)
-{
+std::mt19937_64 randomOf(std::uint64_t seed, std::size_t family, std::size_t number) {
   std::seed_seq sequence{seed, static_cast<std::uint64_t>(family),
                          static_cast<std::uint64_t>(number)};
   return std::mt19937_64(sequence);
 }
 
 /** What the process of a cloud writes: a line for each class. */
-[[noreturn]] void
-work(const StressFamily& family, std::mt19937_64 random, int pipe_end)
-{
+[[noreturn]] void work(const StressFamily& family, std::mt19937_64 random, int pipe_end) {
   itimerval limit{};
   limit.it_value.tv_sec = kSeconds;
   setitimer(ITIMER_PROF, &limit, nullptr);
@@ -55,9 +51,7 @@ work(const StressFamily& family, std::mt19937_64 random, int pipe_end)
 }
 
 /** Runs a cloud. \return its lines; one that tells of a signal where it crashed or hung. */
-std::vector<std::string>
-linesOf(const StressFamily& family, std::mt19937_64 random)
-{
+std::vector<std::string> linesOf(const StressFamily& family, std::mt19937_64 random) {
   int ends[2];
   if (pipe(ends) != 0) return {"fno pipe"};
   std::fflush(stdout);
@@ -80,17 +74,14 @@ linesOf(const StressFamily& family, std::mt19937_64 random)
   return lines;
 }
 
-void
-count(const std::string& line, Cell& cell)
-{
+void count(const std::string& line, Cell& cell) {
   cell.results += line[0] == 'r';
   cell.refusals += line[0] == 'e';
   cell.failures += line[0] == 'f';
 }
 
-std::size_t
-runFamily(std::size_t family, std::size_t clouds, std::uint64_t seed, std::vector<Cell>& row)
-{
+std::size_t runFamily(std::size_t family, std::size_t clouds, std::uint64_t seed,
+                      std::vector<Cell>& row) {
   std::size_t failures = 0;
   for (std::size_t k = 0; k < clouds; ++k) {
     const auto lines = linesOf(stressFamilies()[family], randomOf(seed, family, k));
@@ -106,9 +97,7 @@ runFamily(std::size_t family, std::size_t clouds, std::uint64_t seed, std::vecto
   return failures;
 }
 
-void
-printRow(const char* name, const std::vector<Cell>& row)
-{
+void printRow(const char* name, const std::vector<Cell>& row) {
   std::printf("| %s |", name);
   for (const Cell& cell : row) {
     std::printf(" %zu + %zu", cell.results, cell.refusals);
@@ -120,9 +109,7 @@ printRow(const char* name, const std::vector<Cell>& row)
 
 }  // namespace
 
-int
-main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   const char* const asked = std::getenv("PCL_SLIM_STRESS");
   const std::size_t families = stressFamilies().size();
   const std::size_t clouds = std::strtoul(argc > 1 ? argv[1] : asked ? asked : "100", nullptr, 10);

@@ -23,22 +23,16 @@ using namespace pcl_slim;
 constexpr double kMostGathered = 3000;  ///< points gathered into balls for each point stored
 constexpr double kMostTriangles = 300;  ///< of a mesh, for each point stored
 
-StressOutcome
-result()
-{
+StressOutcome result() {
   return {StressOutcome::Kind::kResult, ""};
 }
 
-StressOutcome
-failed(const std::string& text)
-{
+StressOutcome failed(const std::string& text) {
   return {StressOutcome::Kind::kFailed, text};
 }
 
 /** A refusal: one sentence, where one is allowed. */
-StressOutcome
-refused(const Error& error, bool allowed)
-{
+StressOutcome refused(const Error& error, bool allowed) {
   const bool sentence = error.message.size() > 10 && error.message.find('\n') == std::string::npos;
   if (!sentence) return failed("an error without a sentence");
   if (!allowed) return failed("refused: " + error.message);
@@ -46,9 +40,7 @@ refused(const Error& error, bool allowed)
 }
 
 template <typename Values>
-bool
-allFinite(const Values& values)
-{
+bool allFinite(const Values& values) {
   return std::all_of(values.begin(), values.end(), [](auto value) { return std::isfinite(value); });
 }
 
@@ -60,9 +52,7 @@ struct Fit {
   Error error;
 };
 
-Fit
-fitTo(const StressCloud& cloud)
-{
+Fit fitTo(const StressCloud& cloud) {
   Fit fit;
   Result<PointStore> store = PointStore::build(cloud.cloud(), 1);
   if (!store) {
@@ -76,9 +66,7 @@ fitTo(const StressCloud& cloud)
   return fit;
 }
 
-std::string
-defectOf(const Fit& fit)
-{
+std::string defectOf(const Fit& fit) {
   if (const Error error = fit.surface.validate()) return error.message;
   if (!allFinite(fit.surface.error) || !allFinite(fit.surface.effective_count)) {
     return "an error or a count is not finite";
@@ -94,9 +82,7 @@ defectOf(const Fit& fit)
 
 /** The same points in another order, repeated, and among points that are nowhere. */
 template <typename Bytes>
-std::string
-variance(const StressCloud& cloud, std::mt19937_64& random, const Bytes& bytes)
-{
+std::string variance(const StressCloud& cloud, std::mt19937_64& random, const Bytes& bytes) {
   const auto expected = bytes(cloud);
   if (bytes(cloud.mixed(random, 1, 0)) != expected) return "depends on the order of points";
   if (bytes(cloud.mixed(random, 1, cloud.size() / 3 + 1)) != expected) {
@@ -106,9 +92,7 @@ variance(const StressCloud& cloud, std::mt19937_64& random, const Bytes& bytes)
   return "";
 }
 
-StressOutcome
-judgeFit(const StressCloud& cloud, const Fit& fit, std::mt19937_64& random)
-{
+StressOutcome judgeFit(const StressCloud& cloud, const Fit& fit, std::mt19937_64& random) {
   if (fit.error) {
     return fit.surface.empty() ? refused(fit.error, !cloud.must_succeed)
                                : failed("a surface beside an error");
@@ -122,9 +106,7 @@ judgeFit(const StressCloud& cloud, const Fit& fit, std::mt19937_64& random)
 }
 
 /** RMS distance of the projected points that lie on the wave, in its own units; supported ones. */
-double
-waveError(const StressCloud& cloud, const Fit& fit, const Projection& projection)
-{
+double waveError(const StressCloud& cloud, const Fit& fit, const Projection& projection) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < fit.store.size(); ++i) {
@@ -139,9 +121,7 @@ waveError(const StressCloud& cloud, const Fit& fit, const Projection& projection
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
 }
 
-Error
-project(const Fit& fit, Projection& projection)
-{
+Error project(const Fit& fit, Projection& projection) {
   ProjectionParams params;
   params.curvature = params.directions = true;
   params.threads = 1;
@@ -149,9 +129,7 @@ project(const Fit& fit, Projection& projection)
 }
 
 /** The error of the wave as it was before anything was done to it. */
-double
-undisturbedError(const StressCloud& cloud)
-{
+double undisturbedError(const StressCloud& cloud) {
   StressCloud still = cloud;
   const std::size_t n = cloud.on_wave;
   still.points.resize(3 * n);
@@ -166,9 +144,7 @@ undisturbedError(const StressCloud& cloud)
   return waveError(still, fit, projection);
 }
 
-StressOutcome
-judgeProjection(const StressCloud& cloud, const Fit& fit)
-{
+StressOutcome judgeProjection(const StressCloud& cloud, const Fit& fit) {
   Projection projection;
   if (const Error error = project(fit, projection)) return refused(error, false);
   for (std::size_t i = 0; i < fit.store.size(); ++i) {
@@ -187,9 +163,7 @@ judgeProjection(const StressCloud& cloud, const Fit& fit)
   return failed("error " + std::to_string(left) + " of at most " + std::to_string(most));
 }
 
-SplatParams
-splatParams(const StressCloud& cloud)
-{
+SplatParams splatParams(const StressCloud& cloud) {
   SplatParams params;
   params.threads = 1;
   params.initial_resolution = cloud.resolution;
@@ -198,9 +172,7 @@ splatParams(const StressCloud& cloud)
 }
 
 /** All that is written of splats, as numbers. */
-std::vector<double>
-numbersOf(const SplatSet& splats)
-{
+std::vector<double> numbersOf(const SplatSet& splats) {
   std::vector<double> numbers(splats.origin.begin(), splats.origin.end());
   for (const auto* column : {&splats.x, &splats.y, &splats.z, &splats.nx, &splats.ny, &splats.nz,
                              &splats.radius, &splats.confidence, &splats.normal_variance}) {
@@ -210,9 +182,7 @@ numbersOf(const SplatSet& splats)
   return numbers;
 }
 
-StressOutcome
-judgeSplats(const StressCloud& cloud, SplatSet& splats, std::mt19937_64& random)
-{
+StressOutcome judgeSplats(const StressCloud& cloud, SplatSet& splats, std::mt19937_64& random) {
   const SplatParams params = splatParams(cloud);
   const auto sample = [&params](const StressCloud& other) {
     SplatSet made;
@@ -230,9 +200,7 @@ judgeSplats(const StressCloud& cloud, SplatSet& splats, std::mt19937_64& random)
   return found.empty() ? result() : failed(found);
 }
 
-Camera
-cameraOf(const StressCloud& cloud, const BoundingSpheres& object)
-{
+Camera cameraOf(const StressCloud& cloud, const BoundingSpheres& object) {
   Camera camera = fitCamera(object, chooseView(object), {24, 18});
   const std::size_t middle = 3 * (cloud.size() / 2);
   const double* at = cloud.points.data() + middle;
@@ -252,9 +220,7 @@ cameraOf(const StressCloud& cloud, const BoundingSpheres& object)
 }
 
 /** A picture, or a refusal where its camera has no area. */
-StressOutcome
-judgePicture(const StressCloud& cloud, const GBuffer& buffer, const Error& error)
-{
+StressOutcome judgePicture(const StressCloud& cloud, const GBuffer& buffer, const Error& error) {
   const bool no_area = cloud.camera == StressView::kNoArea;
   if (error) return refused(error, no_area || !cloud.must_succeed);
   if (no_area) return failed("a picture of no area");
@@ -268,9 +234,7 @@ judgePicture(const StressCloud& cloud, const GBuffer& buffer, const Error& error
   return result();
 }
 
-StressOutcome
-judgeRender(const StressCloud& cloud, const Fit& fit)
-{
+StressOutcome judgeRender(const StressCloud& cloud, const Fit& fit) {
   SurfaceRenderer renderer(fit.surface, 1);
   const Camera camera = cameraOf(cloud, spheresOf(fit.surface));
   for (const bool reference : {false, true}) {
@@ -285,9 +249,7 @@ judgeRender(const StressCloud& cloud, const Fit& fit)
   return result();
 }
 
-StressOutcome
-judgeDiscs(const StressCloud& cloud, const SplatSet& splats)
-{
+StressOutcome judgeDiscs(const StressCloud& cloud, const SplatSet& splats) {
   DiscRenderParams params;
   params.threads = 1;
   GBuffer buffer;
@@ -295,9 +257,7 @@ judgeDiscs(const StressCloud& cloud, const SplatSet& splats)
   return judgePicture(cloud, buffer, error);
 }
 
-StressOutcome
-judgeMesh(const Fit& fit)
-{
+StressOutcome judgeMesh(const Fit& fit) {
   MeshParams params;
   params.threads = 1;
   TriangleMesh mesh, again;
@@ -328,17 +288,13 @@ judgeMesh(const Fit& fit)
 
 }  // namespace
 
-const std::vector<const char*>&
-stressClasses()
-{
+const std::vector<const char*>& stressClasses() {
   static const std::vector<const char*> names = {"fit",    "projection",        "picture",
                                                  "splats", "picture of splats", "mesh"};
   return names;
 }
 
-std::vector<StressOutcome>
-runClasses(const StressCloud& cloud, std::mt19937_64& random)
-{
+std::vector<StressOutcome> runClasses(const StressCloud& cloud, std::mt19937_64& random) {
   std::vector<StressOutcome> outcomes(stressClasses().size());
   const Fit fit = fitTo(cloud);
   outcomes[0] = judgeFit(cloud, fit, random);

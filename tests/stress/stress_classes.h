@@ -16,13 +16,11 @@ struct StressOutcome {
 };
 
 /** The classes tried, in the order of runClasses(). */
-const std::vector<const char*>&
-stressClasses();
+const std::vector<const char*>& stressClasses();
 
 /** Runs every class on a cloud: results must be finite, the same for the same points in another
- * order, repeated or among points that are nowhere, and near the truth where it is known; work grows
- * like the points. One outcome for each class. */
-std::vector<StressOutcome>
-runClasses(const StressCloud& cloud, std::mt19937_64& random);
+ * order, repeated or among points that are nowhere, and near the truth where it is known; work
+ * grows like the points. One outcome for each class. */
+std::vector<StressOutcome> runClasses(const StressCloud& cloud, std::mt19937_64& random);
 
 }  // namespace pcl_slim_test

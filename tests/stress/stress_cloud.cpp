@@ -9,15 +9,11 @@
 
 namespace pcl_slim_test {
 
-pcl_slim::CloudView
-StressCloud::cloud() const
-{
+pcl_slim::CloudView StressCloud::cloud() const {
   return viewOf(points, normals);
 }
 
-void
-StressCloud::add(double x, double y, double z, const float* normal)
-{
+void StressCloud::add(double x, double y, double z, const float* normal) {
   static const float kUp[3] = {0, 0, 1};
   points.insert(points.end(), {x, y, z});
   bgr.insert(bgr.end(), {255, 255, 255});
@@ -26,9 +22,8 @@ StressCloud::add(double x, double y, double z, const float* normal)
   normals.insert(normals.end(), normal ? normal : kUp, (normal ? normal : kUp) + 3);
 }
 
-StressCloud
-StressCloud::mixed(std::mt19937_64& random, std::size_t times, std::size_t nowhere) const
-{
+StressCloud StressCloud::mixed(std::mt19937_64& random, std::size_t times,
+                               std::size_t nowhere) const {
   StressCloud made = *this;
   made.points.clear();
   made.normals.clear();
@@ -48,9 +43,7 @@ StressCloud::mixed(std::mt19937_64& random, std::size_t times, std::size_t nowhe
   return made;
 }
 
-double
-StressCloud::distance(const double p[3]) const
-{
+double StressCloud::distance(const double p[3]) const {
   const double x = (p[0] - offset) / scale, y = (p[1] - offset) / scale,
                z = (p[2] - offset) / scale;
   const double a = 0.6 * std::cos(6 * x) * std::cos(5 * y);
@@ -58,9 +51,7 @@ StressCloud::distance(const double p[3]) const
   return std::abs(z - 0.1 * std::sin(6 * x) * std::cos(5 * y)) / std::sqrt(1 + a * a + b * b);
 }
 
-StressCloud
-wave(std::mt19937_64& random, std::size_t count, double noise, bool normals)
-{
+StressCloud wave(std::mt19937_64& random, std::size_t count, double noise, bool normals) {
   std::uniform_real_distribution<double> uniform;
   std::normal_distribution<double> normal;
   StressCloud cloud;

@@ -42,8 +42,7 @@ struct StressCloud {
 };
 
 /** count points on z = .1 sin 6x cos 5y over the unit square. */
-StressCloud
-wave(std::mt19937_64& random, std::size_t count, double noise, bool normals);
+StressCloud wave(std::mt19937_64& random, std::size_t count, double noise, bool normals);
 
 /** A family of clouds: what its members have in common. */
 struct StressFamily {
@@ -51,7 +50,6 @@ struct StressFamily {
   StressCloud (*make)(std::mt19937_64& random);
 };
 
-const std::vector<StressFamily>&
-stressFamilies();
+const std::vector<StressFamily>& stressFamilies();
 
 }  // namespace pcl_slim_test

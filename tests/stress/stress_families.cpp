@@ -11,65 +11,47 @@ namespace {
 
 using Random = std::mt19937_64;
 
-double
-between(Random& random, double low, double high)
-{
+double between(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-std::size_t
-countOf(Random& random, std::size_t low, std::size_t high)
-{
+std::size_t countOf(Random& random, std::size_t low, std::size_t high) {
   return std::uniform_int_distribution<std::size_t>(low, high)(random);
 }
 
-bool
-coin(Random& random)
-{
+bool coin(Random& random) {
   return random() % 2 == 0;
 }
 
 /** What most families change: a wave with or without noise and normals. */
-StressCloud
-base(Random& random, std::size_t low = 300, std::size_t high = 1200)
-{
+StressCloud base(Random& random, std::size_t low = 300, std::size_t high = 1200) {
   return wave(random, countOf(random, low, high), coin(random) ? 0.0 : 0.003, coin(random));
 }
 
-void
-transform(StressCloud& cloud, double scale, double offset)
-{
+void transform(StressCloud& cloud, double scale, double offset) {
   cloud.scale = scale;
   cloud.offset = offset;
   for (double& value : cloud.points) value = offset + scale * value;
 }
 
-StressCloud
-plain(Random& random)
-{
+StressCloud plain(Random& random) {
   return base(random);
 }
 
-StressCloud
-offsets(Random& random)
-{
+StressCloud offsets(Random& random) {
   StressCloud cloud = base(random);
   const double size = std::pow(10.0, between(random, -3, 3));
   transform(cloud, size, (coin(random) ? 1 : -1) * size * std::pow(10.0, between(random, 0, 8)));
   return cloud;
 }
 
-StressCloud
-scales(Random& random)
-{
+StressCloud scales(Random& random) {
   StressCloud cloud = base(random);
   transform(cloud, std::pow(10.0, between(random, -30, 30)), 0);
   return cloud;
 }
 
-StressCloud
-repeated(Random& random)
-{
+StressCloud repeated(Random& random) {
   const StressCloud once = base(random, 100, 300);
   const std::size_t times = countOf(random, 2, coin(random) ? 10 : 200);
   StressCloud cloud = once;
@@ -81,9 +63,7 @@ repeated(Random& random)
   return cloud;
 }
 
-StressCloud
-coplanar(Random& random)
-{
+StressCloud coplanar(Random& random) {
   StressCloud cloud;
   const bool lattice = coin(random);
   const std::size_t side = countOf(random, 12, 30);
@@ -97,9 +77,7 @@ coplanar(Random& random)
   return cloud;
 }
 
-StressCloud
-collinear(Random& random)
-{
+StressCloud collinear(Random& random) {
   StressCloud cloud;
   const std::size_t count = countOf(random, 0, 9) == 0 ? 20000 : countOf(random, 3, 900);
   const double d[3] = {between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)};
@@ -114,18 +92,14 @@ collinear(Random& random)
   return cloud;
 }
 
-StressCloud
-identical(Random& random)
-{
+StressCloud identical(Random& random) {
   StressCloud cloud;
   const std::size_t places = countOf(random, 1, 4), count = countOf(random, 1, 400);
   for (std::size_t i = 0; i < count; ++i) cloud.add(1.0 + static_cast<double>(i % places), 2, 3);
   return cloud;
 }
 
-StressCloud
-solid(Random& random)
-{
+StressCloud solid(Random& random) {
   StressCloud cloud;
   const std::size_t side = countOf(random, 4, 11);
   const double jitter = coin(random) ? 0 : 0.3;
@@ -137,10 +111,9 @@ solid(Random& random)
   return cloud;
 }
 
-/** Two sheets of the wave, .1 to 2 spacings apart; normals, where there are some, opposite or alike. */
-StressCloud
-sheets(Random& random)
-{
+/** Two sheets of the wave, .1 to 2 spacings apart; normals, where there are some, opposite or
+ * alike. */
+StressCloud sheets(Random& random) {
   StressCloud cloud = base(random, 400, 900);
   const double apart = between(random, 0.1, 2) / std::sqrt(static_cast<double>(cloud.size()));
   const float side = coin(random) ? 1.0f : -1.0f;
@@ -158,9 +131,7 @@ sheets(Random& random)
 }
 
 /** Normals that are zero, NaN, flipped or noisy, some or all. */
-StressCloud
-badNormals(Random& random)
-{
+StressCloud badNormals(Random& random) {
   StressCloud cloud = wave(random, countOf(random, 400, 1200), 0.002, true);
   const double share = coin(random) ? 1.0 : between(random, 0.01, 0.6);
   const std::size_t kind = random() % 4;
@@ -181,9 +152,7 @@ badNormals(Random& random)
   return cloud;
 }
 
-StressCloud
-outliers(Random& random)
-{
+StressCloud outliers(Random& random) {
   StressCloud cloud = base(random, 600, 1200);
   const double share = between(random, 0.01, 0.4);
   const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud.size()));
@@ -198,9 +167,7 @@ outliers(Random& random)
 }
 
 /** One point, or a few, at 10^2 to 10^38. */
-StressCloud
-farPoints(Random& random)
-{
+StressCloud farPoints(Random& random) {
   StressCloud cloud = base(random, 400, 1200);
   const double far = std::pow(10.0, between(random, 2, 38));
   const std::size_t count = coin(random) ? 1 : countOf(random, 2, 5);
@@ -213,9 +180,7 @@ farPoints(Random& random)
   return cloud;
 }
 
-StressCloud
-densities(Random& random)
-{
+StressCloud densities(Random& random) {
   StressCloud cloud = base(random, 300, 500);
   const double width = between(random, 0.02, 0.1);
   for (std::size_t i = 0; i < 1500; ++i) {
@@ -227,9 +192,7 @@ densities(Random& random)
 }
 
 /** Rings of a lidar in a street: ground, and a wall. */
-StressCloud
-rings(Random& random)
-{
+StressCloud rings(Random& random) {
   StressCloud cloud;
   const std::size_t beams = countOf(random, 8, 32), steps = countOf(random, 90, 360);
   for (std::size_t b = 0; b < beams; ++b) {
@@ -247,15 +210,11 @@ rings(Random& random)
   return cloud;
 }
 
-StressCloud
-few(Random& random)
-{
+StressCloud few(Random& random) {
   return wave(random, countOf(random, 0, 40), coin(random) ? 0 : 0.01, coin(random));
 }
 
-StressCloud
-colors(Random& random)
-{
+StressCloud colors(Random& random) {
   StressCloud cloud = base(random);
   const bool single = coin(random);
   for (std::uint8_t& value : cloud.bgr) value = single || coin(random) ? 255 : 0;
@@ -264,9 +223,7 @@ colors(Random& random)
 }
 
 /** Cells of one point each, or all of them in one. */
-StressCloud
-cells(Random& random)
-{
+StressCloud cells(Random& random) {
   StressCloud cloud = base(random, 200, 600);
   cloud.resolution = coin(random) ? 1 : 1 << 20;
   cloud.max_depth = static_cast<int>(random() % 40);
@@ -274,9 +231,7 @@ cells(Random& random)
 }
 
 /** Places that crowd ever closer to one another: the deepest octree there is. */
-StressCloud
-deep(Random& random)
-{
+StressCloud deep(Random& random) {
   StressCloud cloud;
   const double base_length = between(random, 1.2, 3);
   for (int k = 0; k < 60; ++k) {
@@ -289,9 +244,7 @@ deep(Random& random)
   return cloud;
 }
 
-StressCloud
-views(Random& random)
-{
+StressCloud views(Random& random) {
   StressCloud cloud = base(random, 300, 900);
   cloud.camera = static_cast<StressView>(1 + random() % 4);
   if (coin(random)) transform(cloud, std::pow(10.0, between(random, -6, 6)), 0);
@@ -300,9 +253,7 @@ views(Random& random)
 
 }  // namespace
 
-const std::vector<StressFamily>&
-stressFamilies()
-{
+const std::vector<StressFamily>& stressFamilies() {
   static const std::vector<StressFamily> families = {
       {"undisturbed", plain},
       {"offset 1 to 10^8 sizes", offsets},

@@ -8,9 +8,8 @@
 namespace pcl_slim_test {
 
 /** Three numbers a point, with or without normals. */
-inline pcl_slim::CloudView
-viewOf(const std::vector<double>& points, const std::vector<float>& normals)
-{
+inline pcl_slim::CloudView viewOf(const std::vector<double>& points,
+                                  const std::vector<float>& normals) {
   pcl_slim::CloudView view;
   view.xyz = points.data();
   view.xyz_stride = 3 * sizeof(double);

@@ -18,11 +18,9 @@ struct TestBall {
 /** \brief A disc of heights: a wave along u and noise. The points are in no order, as a thick
  * cloud's are along a Morton curve. With thick, distances count the height too, as in a gathered
  * ball. */
-inline TestBall
-wavyBall(int degree, std::size_t count, double amplitude, double wavelength, double noise,
-         std::uint32_t seed, bool thick = false,
-         pcl_slim::WeightKernel kernel = pcl_slim::WeightKernel::kPower4)
-{
+inline TestBall wavyBall(int degree, std::size_t count, double amplitude, double wavelength,
+                         double noise, std::uint32_t seed, bool thick = false,
+                         pcl_slim::WeightKernel kernel = pcl_slim::WeightKernel::kPower4) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::normal_distribution<double> normal;

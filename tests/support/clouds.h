@@ -10,10 +10,10 @@
 #include <random>
 #include <vector>
 
-#include "support/lab/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
 #include "support/array_view.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim_test {
 
@@ -26,16 +26,14 @@ struct Cloud {
 
   void add(double x, double y, double z) { points.insert(points.end(), {x, y, z}); }
 
-  /** \brief Adds a point with noise. Compilers differ in the order of a call's arguments: three draws as
-   * arguments would make another cloud. */
+  /** \brief Adds a point with noise. Compilers differ in the order of a call's arguments: three
+   * draws as arguments would make another cloud. */
   void addNoisy(const std::array<double, 3>& p, std::normal_distribution<double>& noise,
-                std::mt19937_64& rng)
-  {
+                std::mt19937_64& rng) {
     for (const double value : p) points.push_back(value + noise(rng));
   }
 
-  void add(const std::array<double, 3>& p, const std::array<double, 3>& n)
-  {
+  void add(const std::array<double, 3>& p, const std::array<double, 3>& n) {
     points.insert(points.end(), p.begin(), p.end());
     for (const double value : n) normals.push_back(static_cast<float>(value));
   }
@@ -46,17 +44,13 @@ struct Cloud {
 };
 
 /** An exact surface's points; noise is a share of the diagonal, normal_noise in rad. */
-inline Cloud
-sceneCloud(pcl_slim::measure::Shape shape, std::size_t count, double noise,
-           double normal_noise = 0.0)
-{
+inline Cloud sceneCloud(pcl_slim::measure::Shape shape, std::size_t count, double noise,
+                        double normal_noise = 0.0) {
   const auto scene = pcl_slim::measure::makeScene(shape, count, noise, normal_noise, 7);
   return {scene.points, scene.normals};
 }
 
-inline pcl_slim::PointStore
-storeOf(const Cloud& cloud, int threads = 1)
-{
+inline pcl_slim::PointStore storeOf(const Cloud& cloud, int threads = 1) {
   auto store = pcl_slim::PointStore::build(cloud.view(), threads);
   EXPECT_TRUE(store) << store.error().message;
   return store ? std::move(*store) : pcl_slim::PointStore();
@@ -69,8 +63,7 @@ struct Fitted {
   pcl_slim::FitStatistics statistics;
   pcl_slim::Projection projection;
 
-  std::array<double, 3> world(const std::array<double, 3>& local) const
-  {
+  std::array<double, 3> world(const std::array<double, 3>& local) const {
     std::array<double, 3> p;
     for (std::size_t a = 0; a < 3; ++a) p[a] = store.origin()[a] + store.scale() * local[a];
     return p;
@@ -78,10 +71,8 @@ struct Fitted {
 };
 
 /** \param[out] none why the cloud has no surface, which is a failure where this is null. */
-inline Fitted
-fitted(const Cloud& cloud, pcl_slim::FitParams params = {}, bool curvature = false,
-       pcl_slim::Error* none = nullptr)
-{
+inline Fitted fitted(const Cloud& cloud, pcl_slim::FitParams params = {}, bool curvature = false,
+                     pcl_slim::Error* none = nullptr) {
   Fitted f;
   f.store = storeOf(cloud);
   params.threads = 1;
@@ -102,9 +93,7 @@ fitted(const Cloud& cloud, pcl_slim::FitParams params = {}, bool curvature = fal
 }
 
 /** Angle between the lines along two vectors [rad]. */
-inline double
-angleBetween(const std::array<float, 3>& a, const std::array<double, 3>& b)
-{
+inline double angleBetween(const std::array<float, 3>& a, const std::array<double, 3>& b) {
   double cross_sq = 0, dot = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -121,9 +110,8 @@ struct Errors {
   double position = 0, normal = 0, curvature = 0;
 };
 
-inline Errors
-errorsOf(pcl_slim::measure::Shape shape, const Fitted& f, std::size_t first_inputs = SIZE_MAX)
-{
+inline Errors errorsOf(pcl_slim::measure::Shape shape, const Fitted& f,
+                       std::size_t first_inputs = SIZE_MAX) {
   Errors e;
   double curvature_sq = 0;
   std::size_t count = 0;
@@ -152,9 +140,7 @@ errorsOf(pcl_slim::measure::Shape shape, const Fitted& f, std::size_t first_inpu
 
 /** Every number a fit and a projection hand out is finite, normals are unit where supported, the
  * surface is valid, and points without support are counted and kept their place. */
-inline void
-expectSound(const Fitted& f)
-{
+inline void expectSound(const Fitted& f) {
   const pcl_slim::Error error = f.surface.validate();
   EXPECT_FALSE(error) << error.message;
   for (const float value : f.surface.error) ASSERT_TRUE(std::isfinite(value) && value >= 0.0f);
@@ -181,9 +167,7 @@ expectSound(const Fitted& f)
 
 /** A square of side 2 about a centre, at height z(x, y): count points spread at random. */
 template <typename Height>
-Cloud
-heightField(std::size_t count, std::uint32_t seed, const Height& height)
-{
+Cloud heightField(std::size_t count, std::uint32_t seed, const Height& height) {
   Cloud cloud;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -194,11 +178,10 @@ heightField(std::size_t count, std::uint32_t seed, const Height& height)
   return cloud;
 }
 
-/** Points of a box about the origin, with the normals of its faces; noise moves them in all directions. */
-inline Cloud
-boxCloud(const std::array<double, 3>& half, std::size_t count, double noise,
-         std::uint32_t seed = 11)
-{
+/** Points of a box about the origin, with the normals of its faces; noise moves them in all
+ * directions. */
+inline Cloud boxCloud(const std::array<double, 3>& half, std::size_t count, double noise,
+                      std::uint32_t seed = 11) {
   Cloud cloud;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -218,9 +201,7 @@ boxCloud(const std::array<double, 3>& half, std::size_t count, double noise,
 }
 
 /** A torus of radius 1 about z, sampled evenly, with white noise. */
-inline Cloud
-thickRing(int count, double tube, double sigma, unsigned seed)
-{
+inline Cloud thickRing(int count, double tube, double sigma, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, sigma);
   std::uniform_real_distribution<double> unit(0, 1);

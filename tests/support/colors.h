@@ -14,17 +14,13 @@
 namespace pcl_slim_test {
 
 /** A smooth colour of space, 0..255: waves of a length of about 3. */
-inline std::array<double, 3>
-waveColor(const std::array<double, 3>& p)
-{
+inline std::array<double, 3> waveColor(const std::array<double, 3>& p) {
   return {128 + 100 * std::sin(2 * p[0]), 128 + 100 * std::cos(2 * p[1]), 128 + 60 * p[2]};
 }
 
 /** Bytes blue, green, red of a colour at each of some points, three coordinates each. */
 template <typename Color>
-std::vector<std::uint8_t>
-bgrOf(const std::vector<double>& points, const Color& color)
-{
+std::vector<std::uint8_t> bgrOf(const std::vector<double>& points, const Color& color) {
   std::vector<std::uint8_t> bytes;
   for (std::size_t i = 0; i < points.size(); i += 3) {
     const std::array<double, 3> rgb = color({points[i], points[i + 1], points[i + 2]});
@@ -35,9 +31,7 @@ bgrOf(const std::vector<double>& points, const Color& color)
 }
 
 /** Random colours of every surfel. */
-inline void
-setRandomColors(pcl_slim::SLIMSurface& surface)
-{
+inline void setRandomColors(pcl_slim::SLIMSurface& surface) {
   std::mt19937 random(5);
   surface.colors.resize(surface.size() * pcl_slim::kColorBytes);
   for (std::size_t k = 0; k < surface.colors.size(); ++k) {

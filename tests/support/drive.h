@@ -8,7 +8,8 @@
 
 #include "support/lab/sensor.h"
 
-/** \brief A street as a lidar on a car scans it while the car drives round a corner. Metres, seconds. */
+/** \brief A street as a lidar on a car scans it while the car drives round a corner. Metres,
+ * seconds. */
 namespace pcl_slim_test {
 
 using pcl_slim::along;
@@ -26,19 +27,16 @@ struct DrivenScan {
 
   std::size_t size() const { return times.size(); }
 
-  Vector3 point(std::size_t i) const
-  {
+  Vector3 point(std::size_t i) const {
     return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
   }
-  Vector3 sensor(std::size_t i) const
-  {
+  Vector3 sensor(std::size_t i) const {
     return {sensors[3 * i], sensors[3 * i + 1], sensors[3 * i + 2]};
   }
 
-  /** Whether a normal at a place near a surface is on the side that can be seen: of one of the surfaces
-   * that are within a distance, as the two at an edge are. nothing near: -1. */
-  int facesOut(const Vector3& place, const Vector3& normal, double within) const
-  {
+  /** Whether a normal at a place near a surface is on the side that can be seen: of one of the
+   * surfaces that are within a distance, as the two at an edge are. nothing near: -1. */
+  int facesOut(const Vector3& place, const Vector3& normal, double within) const {
     int result = -1;
     for (const Solid& s : solids) {
       bool there = true;
@@ -55,9 +53,7 @@ struct DrivenScan {
 };
 
 /** The car's lidar at a time: east for 40 m, left on a bend of 12 m, north for 40 m, at 8 m/s. */
-inline Vector3
-placeAlongDrive(double time)
-{
+inline Vector3 placeAlongDrive(double time) {
   constexpr double kStraight = 40, kBend = 12, kSpeed = 8, kHeight = 2;
   const double s = kSpeed * time - kStraight, arc = kBend * M_PI / 2;
   if (s < 0) return {s, 0, kHeight};
@@ -68,9 +64,7 @@ placeAlongDrive(double time)
 constexpr double kDriveSeconds = (80 + 6 * M_PI) / 8;
 
 /** Walls of a box between two corners, with its top. */
-inline void
-addBox(const Vector3& low, const Vector3& high, std::vector<Solid>& solids)
-{
+inline void addBox(const Vector3& low, const Vector3& high, std::vector<Solid>& solids) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool end : {false, true}) {
       if (axis == 2 && !end) continue;  // nobody sees the floor
@@ -88,9 +82,7 @@ addBox(const Vector3& low, const Vector3& high, std::vector<Solid>& solids)
 }
 
 /** Road, houses on both sides of both streets, parked cars, poles and a row of thin panels. */
-inline std::vector<Solid>
-streetSolids()
-{
+inline std::vector<Solid> streetSolids() {
   std::vector<Solid> solids(1);
   for (int k = 0; k < 4; ++k) {
     const double x = -44 + 13.0 * k, y = 16 + 13.0 * k;
@@ -117,9 +109,7 @@ streetSolids()
 
 /** Scans the street by beams that turn with the lidar, which moves between any two of them.
  * \param[in] sigma RMS error along the beam */
-inline DrivenScan
-scanByDrive(int beams, double sigma, std::uint64_t seed)
-{
+inline DrivenScan scanByDrive(int beams, double sigma, std::uint64_t seed) {
   constexpr double kGolden = 0.6180339887498949, kFarthest = 40, kTurns = 10;
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss;

@@ -16,17 +16,16 @@ struct Finger {
   static constexpr double kRadius = 0.5, kEnd = 1.05;
   double thin;  ///< the finger's radius
 
-  /** \brief Distance to the surface of both, negative inside either: next to the crease about that. */
-  double distance(const std::array<double, 3>& p) const
-  {
+  /** \brief Distance to the surface of both, negative inside either: next to the crease about that.
+   */
+  double distance(const std::array<double, 3>& p) const {
     const double along = std::clamp(p[2], 0.0, kEnd);
     return std::min(std::hypot(p[0], p[1], p[2]) - kRadius,
                     std::hypot(p[0], p[1], p[2] - along) - thin);
   }
 
   /** \brief Random points of its surface, by the areas of its parts, with isotropic noise. */
-  Cloud cloud(std::size_t count, double noise) const
-  {
+  Cloud cloud(std::size_t count, double noise) const {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> unit(0, 1);
     std::normal_distribution<double> gauss;

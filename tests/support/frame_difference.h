@@ -9,9 +9,7 @@
 
 namespace pcl_slim::test {
 
-inline double
-percentile(std::vector<double>& values, double share)
-{
+inline double percentile(std::vector<double>& values, double share) {
   if (values.empty()) return 0.0;
   const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + k, values.end());
@@ -27,9 +25,7 @@ struct FrameDifference {
   std::size_t leaves = 0;                 ///< pixels whose leaf has another level or radius
 };
 
-inline FrameDifference
-compareFrames(const GBuffer& seen, const GBuffer& truth, double diagonal)
-{
+inline FrameDifference compareFrames(const GBuffer& seen, const GBuffer& truth, double diagonal) {
   FrameDifference d;
   std::vector<double> normals, depths, curvatures, sizes;
   for (std::size_t i = 0; i < truth.numPixels(); ++i) {

@@ -9,12 +9,10 @@
 namespace pcl_slim_test {
 
 /** \brief Runs a function once for every set of vector instructions that this processor has, the
- * kernels being dispatched as on a processor without the newer ones: to that set, or to an older one
- * where a kernel leaves it out. */
+ * kernels being dispatched as on a processor without the newer ones: to that set, or to an older
+ * one where a kernel leaves it out. */
 template <typename Function>
-void
-forEachInstructionSet(const Function& function)
-{
+void forEachInstructionSet(const Function& function) {
   hwy::SetSupportedTargetsForTest(0);
   // The newest has the lowest bit: what is left are it and the older ones.
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {

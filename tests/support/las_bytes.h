@@ -15,13 +15,11 @@ struct LasBytes {
   std::size_t points_at = 0, record_bytes = 0, count = 0;
 
   template <typename T>
-  void put(std::size_t at, T value)
-  {
+  void put(std::size_t at, T value) {
     std::memcpy(bytes.data() + at, &value, sizeof(value));
   }
   template <typename T>
-  T get(std::size_t at) const
-  {
+  T get(std::size_t at) const {
     T value;
     std::memcpy(&value, bytes.data() + at, sizeof(value));
     return value;
@@ -33,9 +31,7 @@ struct LasBytes {
 constexpr std::size_t kLasSizes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 /** The VLR of a float and of three bytes. */
-inline void
-describeExtra(std::size_t vlr, LasBytes& las)
-{
+inline void describeExtra(std::size_t vlr, LasBytes& las) {
   std::memcpy(las.bytes.data() + vlr + 2, "LASF_Spec", 9);
   las.put(vlr + 18, std::uint16_t{4});
   las.put(vlr + 20, std::uint16_t{2 * 192});
@@ -45,11 +41,9 @@ describeExtra(std::size_t vlr, LasBytes& las)
   std::memcpy(las.bytes.data() + vlr + 54 + 192 + 4, "my triple", 9);
 }
 
-/** A file of count points with random bits in every value. \param[in] extra whether a point has a float
- * "depth", a triple of bytes and two bytes that nothing describes. */
-inline LasBytes
-lasBytes(int format, std::size_t count, bool extra, unsigned int seed = 1)
-{
+/** A file of count points with random bits in every value. \param[in] extra whether a point has a
+ * float "depth", a triple of bytes and two bytes that nothing describes. */
+inline LasBytes lasBytes(int format, std::size_t count, bool extra, unsigned int seed = 1) {
   const int minor = format < 4 ? 2 : format < 6 ? 3 : 4;
   const std::size_t header = minor == 2 ? 227 : minor == 3 ? 235 : 375;
   LasBytes las;

@@ -16,8 +16,7 @@ struct TestMesh {
   std::vector<pcl_slim::Vector3> vertices;
   pcl_slim::MeshFaces faces;
 
-  pcl_slim::CloudView view() const
-  {
+  pcl_slim::CloudView view() const {
     pcl_slim::CloudView made;
     made.xyz = vertices.data();
     made.xyz_stride = sizeof(pcl_slim::Vector3);
@@ -28,9 +27,7 @@ struct TestMesh {
 };
 
 /** The cube [-1, 1]^3 with n x n cells a side, outward triangles or squares. */
-inline TestMesh
-cubeMesh(int n, bool squares = false)
-{
+inline TestMesh cubeMesh(int n, bool squares = false) {
   TestMesh mesh;
   std::map<std::vector<int>, std::uint32_t> known;
   const auto vertex = [&](int side, int u, int v) {
@@ -60,9 +57,7 @@ cubeMesh(int n, bool squares = false)
 }
 
 /** The cube's mesh on the unit sphere. */
-inline TestMesh
-sphereMesh(int n, bool squares = false)
-{
+inline TestMesh sphereMesh(int n, bool squares = false) {
   TestMesh mesh = cubeMesh(n, squares);
   for (auto& p : mesh.vertices) {
     for (double& x : p) x = std::tan(x * M_PI / 4);
@@ -71,9 +66,7 @@ sphereMesh(int n, bool squares = false)
   return mesh;
 }
 
-inline void
-addNoise(double deviation, TestMesh& mesh, unsigned int seed = 5)
-{
+inline void addNoise(double deviation, TestMesh& mesh, unsigned int seed = 5) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, deviation);
   for (auto& p : mesh.vertices) {

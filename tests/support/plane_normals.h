@@ -11,9 +11,7 @@
 namespace pcl_slim_test {
 
 /** The cloud with normals of planes through each point's k neighbours, as PCL estimates them. */
-inline Cloud
-withPlaneNormals(const Cloud& cloud, std::size_t k)
-{
+inline Cloud withPlaneNormals(const Cloud& cloud, std::size_t k) {
   const pcl_slim::PointStore store = storeOf(cloud);
   pcl_slim::NeighborSearch search(store);
   std::vector<std::uint32_t> neighbors;

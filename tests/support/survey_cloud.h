@@ -10,9 +10,7 @@
 namespace pcl_slim_test {
 
 /** Points in a box of a land survey's coordinates: metres, millions of them from the origin. */
-inline Cloud
-surveyCloud(std::size_t count)
-{
+inline Cloud surveyCloud(std::size_t count) {
   Cloud cloud;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -23,9 +21,7 @@ surveyCloud(std::size_t count)
 }
 
 /** Largest distance between a stored point, brought back, and what was given [local]. */
-inline double
-largestOffset(const Cloud& cloud, const pcl_slim::PointStore& store)
-{
+inline double largestOffset(const Cloud& cloud, const pcl_slim::PointStore& store) {
   double worst = 0;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const auto p = store.position(i);

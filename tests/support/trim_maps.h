@@ -10,9 +10,7 @@
 namespace pcl_slim_test {
 
 /** Random trim maps of every side for two surfels of three; the others are closed. */
-inline void
-setRandomTrimMaps(pcl_slim::SLIMSurface& surface)
-{
+inline void setRandomTrimMaps(pcl_slim::SLIMSurface& surface) {
   using pcl_slim::TrimMap;
   std::mt19937 random(11);
   std::vector<std::uint8_t> sides(surface.size()), bits;

@@ -10,9 +10,7 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief A wavy dome of 8000 points, open below and with a hole at its top, fitted. */
-std::shared_ptr<SLIMSurface>
-openDome(int degree)
-{
+std::shared_ptr<SLIMSurface> openDome(int degree) {
   constexpr int kCount = 8000;
   std::vector<double> points;
   std::vector<float> normals;
@@ -44,9 +42,7 @@ openDome(int degree)
 
 /** \brief Trim maps, of leaves and internal surfels alike, that end a surface below a height (local
  * units). */
-void
-trimBelow(double height, SLIMSurface& surface)
-{
+void trimBelow(double height, SLIMSurface& surface) {
   constexpr int kSide = 33;
   std::vector<std::uint8_t> sides(surface.size(), kSide), bits;
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -67,8 +63,7 @@ trimBelow(double height, SLIMSurface& surface)
 
 class CardSurfels : public CardTest, public ::testing::WithParamInterface<int> {
  protected:
-  CardSurfels()
-  {
+  CardSurfels() {
     surface = openDome(GetParam());
     // What is left of it ends well above its rim.
     const double low = *std::min_element(surface->cz.begin(), surface->cz.end());
@@ -83,8 +78,7 @@ class CardSurfels : public CardTest, public ::testing::WithParamInterface<int> {
   std::shared_ptr<SLIMSurface> surface;
 };
 
-TEST_P(CardSurfels, SurfacesEndWhereTheirTrimMapsEnd)
-{
+TEST_P(CardSurfels, SurfacesEndWhereTheirTrimMapsEnd) {
   ASSERT_TRUE(surface->hasTrimMaps());
   EXPECT_LE(difference(), 2.0 * kFewPixels);
   const Image trimmed = pictureBy(RayBackend::kOpenGL);
@@ -96,8 +90,7 @@ TEST_P(CardSurfels, SurfacesEndWhereTheirTrimMapsEnd)
   EXPECT_GT(shareDifferent(whole, trimmed, 2), 0.02);
 }
 
-TEST_P(CardSurfels, CoarserSurfelsStandForTheirDescendants)
-{
+TEST_P(CardSurfels, CoarserSurfelsStandForTheirDescendants) {
   const Image fine = pictureBy(RayBackend::kOpenGL);
   for (const double pixels : {8.0, 20.0, 40.0}) {
     mapper->setLevelOfDetail(pixels);
@@ -117,8 +110,7 @@ TEST_P(CardSurfels, CoarserSurfelsStandForTheirDescendants)
 
 INSTANTIATE_TEST_SUITE_P(All, CardSurfels, ::testing::Values(2, 4));
 
-TEST_F(CardTest, CoarserSurfelsHaveTheirOwnSizes)
-{
+TEST_F(CardTest, CoarserSurfelsHaveTheirOwnSizes) {
   const auto surface = openDome(2);
   surface->dropTrimMaps();  // so that a coarse surfel's level of detail goes by its error
   mapper->setSurface(surface);
@@ -127,8 +119,7 @@ TEST_F(CardTest, CoarserSurfelsHaveTheirOwnSizes)
   EXPECT_LE(difference(), kFewPixels);
 }
 
-TEST_F(CardTest, ANewLevelOfDetailIsANewFrame)
-{
+TEST_F(CardTest, ANewLevelOfDetailIsANewFrame) {
   mapper->setSurface(openDome(2));
   for (const RayBackend backend : {RayBackend::kCPU, RayBackend::kOpenGL}) {
     pictureBy(backend);

@@ -13,9 +13,7 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief Leaves that differ in size, level and residual, and whose curvatures vary. */
-std::shared_ptr<SLIMSurface>
-unevenSphere(int degree)
-{
+std::shared_ptr<SLIMSurface> unevenSphere(int degree) {
   auto surface = std::make_shared<SLIMSurface>(sphereSurface(degree, 0.25, 600, 0.09));
   const auto stride = static_cast<std::size_t>(surface->stride());
   for (std::size_t i = 0; i < surface->size(); ++i) {
@@ -32,8 +30,7 @@ unevenSphere(int degree)
 
 class CardDegrees : public CardTest, public ::testing::WithParamInterface<int> {};
 
-TEST_P(CardDegrees, EveryModeIsThatOfTheCpu)
-{
+TEST_P(CardDegrees, EveryModeIsThatOfTheCpu) {
   constexpr DisplayMode kModes[] = {
       DisplayMode::kShaded, DisplayMode::kNormal, DisplayMode::kMean,
       DisplayMode::kGauss,  DisplayMode::kMax,    DisplayMode::kMin,
@@ -55,8 +52,7 @@ TEST_P(CardDegrees, EveryModeIsThatOfTheCpu)
   EXPECT_EQ(mapper->getStatistics().rasterized, 2u);
 }
 
-TEST_F(CardTest, ColoursAreThoseOfTheCpu)
-{
+TEST_F(CardTest, ColoursAreThoseOfTheCpu) {
   window->SetSize(80, 60);
   auto surface = unevenSphere(3);
   EXPECT_FALSE(mapper->setMode(DisplayMode::kColor)) << "there is no colour yet";
@@ -78,15 +74,13 @@ TEST_F(CardTest, ColoursAreThoseOfTheCpu)
 
 INSTANTIATE_TEST_SUITE_P(All, CardDegrees, ::testing::Values(1, 2, 3, 4));
 
-TEST_F(CardTest, SmoothSpheresAgreeAtEveryPixelButTheSilhouette)
-{
+TEST_F(CardTest, SmoothSpheresAgreeAtEveryPixelButTheSilhouette) {
   mapper->setSurface(smallSphere());
   mapper->setMode(DisplayMode::kNormal);
   EXPECT_LE(difference(), 4.0 / (160 * 120));
 }
 
-TEST_F(CardTest, GapsBetweenShrunkBallsAreClosedAsByTheCpu)
-{
+TEST_F(CardTest, GapsBetweenShrunkBallsAreClosedAsByTheCpu) {
   // Where a leaf is left out, only the rims of those about it reach.
   auto surface = std::make_shared<SLIMSurface>(sphereSurface(2, 0.25, 600, 0.05));
   for (std::size_t i = 0; i < surface->size(); i += 23) surface->flags[i] = 0;
@@ -106,8 +100,7 @@ TEST_F(CardTest, GapsBetweenShrunkBallsAreClosedAsByTheCpu)
   }
 }
 
-TEST_F(CardTest, FollowsTheCameraAndTheActor)
-{
+TEST_F(CardTest, FollowsTheCameraAndTheActor) {
   mapper->setSurface(unevenSphere(4));
   mapper->setMode(DisplayMode::kNormal);
   renderer->GetActiveCamera()->Azimuth(130.0);
@@ -130,8 +123,7 @@ TEST_F(CardTest, FollowsTheCameraAndTheActor)
   EXPECT_LE(difference(), 3.0 * kFewPixels);
 }
 
-TEST_F(CardTest, DoubtfulSidesAreBothDrawnAlike)
-{
+TEST_F(CardTest, DoubtfulSidesAreBothDrawnAlike) {
   const std::shared_ptr<SLIMSurface> surface = unevenSphere(3);
   mapper->setSurface(surface);
   mapper->setMode(DisplayMode::kShaded);
@@ -146,8 +138,7 @@ TEST_F(CardTest, DoubtfulSidesAreBothDrawnAlike)
   EXPECT_GT(shareDrawn(picture()), 0.99);
 }
 
-TEST_F(CardTest, AnOpenSurfaceEndsWhereTheCpuEndsIt)
-{
+TEST_F(CardTest, AnOpenSurfaceEndsWhereTheCpuEndsIt) {
   const std::shared_ptr<SLIMSurface> surface = unevenSphere(2);
   surface->info.oriented = false;
   for (std::size_t i = 0; i < surface->size(); ++i) {
@@ -159,8 +150,7 @@ TEST_F(CardTest, AnOpenSurfaceEndsWhereTheCpuEndsIt)
   EXPECT_LE(difference(), 8.0 * kFewPixels);
 }
 
-TEST_F(CardTest, FarFromTheOriginAndCoarselyToo)
-{
+TEST_F(CardTest, FarFromTheOriginAndCoarselyToo) {
   const std::shared_ptr<SLIMSurface> surface = unevenSphere(3);
   surface->info.origin = {500000.0, 4500000.0, 1000.0};
   surface->info.scale = 4.0;
@@ -173,8 +163,7 @@ TEST_F(CardTest, FarFromTheOriginAndCoarselyToo)
   EXPECT_LE(difference(), kFewPixels);
 }
 
-TEST_F(CardTest, AFrameIsKeptAndFollowsTheWindowAndTheSurface)
-{
+TEST_F(CardTest, AFrameIsKeptAndFollowsTheWindowAndTheSurface) {
   mapper->setSurface(smallSphere());
   mapper->setBackend(RayBackend::kOpenGL);
   const Image first = picture();
@@ -194,8 +183,7 @@ TEST_F(CardTest, AFrameIsKeptAndFollowsTheWindowAndTheSurface)
   EXPECT_EQ(shareDifferent(picture(), first, 0), 0.0);
 }
 
-TEST_F(CardTest, DepthAndOpacityComposeAsWithTheCpu)
-{
+TEST_F(CardTest, DepthAndOpacityComposeAsWithTheCpu) {
   mapper->setSurface(smallSphere());
   actor->GetProperty()->SetOpacity(0.5);
   vtkNew<SLIMMapper> other_mapper;
@@ -210,8 +198,7 @@ TEST_F(CardTest, DepthAndOpacityComposeAsWithTheCpu)
   }
 }
 
-TEST_F(CardTest, TheCpuDrawsWhatIsCutOpen)
-{
+TEST_F(CardTest, TheCpuDrawsWhatIsCutOpen) {
   mapper->setSurface(smallSphere());
   mapper->setBackend(RayBackend::kOpenGL);
   vtkNew<vtkPlane> plane;
@@ -224,8 +211,7 @@ TEST_F(CardTest, TheCpuDrawsWhatIsCutOpen)
   EXPECT_TRUE(mapper->getStatistics().on_card);
 }
 
-TEST_F(CardTest, LeftToItselfItTriesTheCardAndThenTheCpu)
-{
+TEST_F(CardTest, LeftToItselfItTriesTheCardAndThenTheCpu) {
   picture();
   const std::string driver = window->ReportCapabilities();
   const bool software = driver.find("llvmpipe") != std::string::npos;
@@ -244,8 +230,7 @@ TEST_F(CardTest, LeftToItselfItTriesTheCardAndThenTheCpu)
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(turnByCard());
 }
 
-TEST_F(CardTest, EmptySurfacesAndNoneAreDrawnAsNothing)
-{
+TEST_F(CardTest, EmptySurfacesAndNoneAreDrawnAsNothing) {
   mapper->setBackend(RayBackend::kOpenGL);
   mapper->setSurface(std::make_shared<SLIMSurface>());
   EXPECT_EQ(shareDrawn(picture()), 0.0);

@@ -8,16 +8,14 @@ namespace pcl_slim::test {
 /** \brief A window in which both back ends draw one surface. */
 class CardTest : public WindowTest {
  protected:
-  CardTest()
-  {
+  CardTest() {
     actor->SetMapper(mapper);
     actor->GetProperty()->SetColor(0.6, 0.6, 0.6);
     renderer->AddActor(actor);
   }
 
   /** \brief A picture by one of the two, which must be who draws it. */
-  Image pictureBy(RayBackend backend)
-  {
+  Image pictureBy(RayBackend backend) {
     mapper->setBackend(backend);
     const Image image = picture();
     EXPECT_EQ(mapper->getStatistics().on_card, backend == RayBackend::kOpenGL);
@@ -26,8 +24,7 @@ class CardTest : public WindowTest {
   }
 
   /** \brief Share of pixels that the two draw differently by more than 2 of 255. */
-  double difference()
-  {
+  double difference() {
     const Image cpu = pictureBy(RayBackend::kCPU);
     EXPECT_GT(shareDrawn(cpu), 0.05);
     return shareDifferent(cpu, pictureBy(RayBackend::kOpenGL), 2);

@@ -8,20 +8,15 @@ namespace {
 
 constexpr std::size_t kPixels = 1000000;
 
-void
-add(FramePace& pace, std::initializer_list<double> seconds)
-{
+void add(FramePace& pace, std::initializer_list<double> seconds) {
   for (const double s : seconds) pace.add(s, kPixels);
 }
 
-void
-add(BackendChoice& choice, bool on_card, std::initializer_list<double> seconds)
-{
+void add(BackendChoice& choice, bool on_card, std::initializer_list<double> seconds) {
   for (const double s : seconds) choice.add(on_card, {}, s, kPixels);
 }
 
-TEST(FramePace, TheFastestOfTheLastThreeFramesCountsAndSmallOnesDoNot)
-{
+TEST(FramePace, TheFastestOfTheLastThreeFramesCountsAndSmallOnesDoNot) {
   FramePace pace;
   add(pace, {0.9, 0.02});
   EXPECT_FALSE(pace.isKnown());
@@ -34,8 +29,7 @@ TEST(FramePace, TheFastestOfTheLastThreeFramesCountsAndSmallOnesDoNot)
   EXPECT_DOUBLE_EQ(pace.secondsPerPixel(), 3e-8);
 }
 
-TEST(BackendChoice, ACardIsKeptWhileItIsFastOrUnknown)
-{
+TEST(BackendChoice, ACardIsKeptWhileItIsFastOrUnknown) {
   BackendChoice choice;
   EXPECT_TRUE(choice.prefersCard());
   add(choice, true, {0.9, 0.9});
@@ -45,8 +39,7 @@ TEST(BackendChoice, ACardIsKeptWhileItIsFastOrUnknown)
   EXPECT_TRUE(choice.prefersCard());
 }
 
-TEST(BackendChoice, ASlowCardIsComparedWithTheCpu)
-{
+TEST(BackendChoice, ASlowCardIsComparedWithTheCpu) {
   BackendChoice choice;
   add(choice, true, {0.9, 0.05, 0.05});
   EXPECT_FALSE(choice.prefersCard()) << "the CPU's pace is to be found out";
@@ -59,8 +52,7 @@ TEST(BackendChoice, ASlowCardIsComparedWithTheCpu)
   EXPECT_FALSE(choice.prefersCard());
 }
 
-TEST(BackendChoice, ACardThatSlowsDownAsTheCameraComesNearerIsComparedThen)
-{
+TEST(BackendChoice, ACardThatSlowsDownAsTheCameraComesNearerIsComparedThen) {
   BackendChoice choice;
   add(choice, true, {0.9, 0.004, 0.004});
   EXPECT_TRUE(choice.prefersCard());
@@ -70,8 +62,7 @@ TEST(BackendChoice, ACardThatSlowsDownAsTheCameraComesNearerIsComparedThen)
   EXPECT_FALSE(choice.prefersCard());
 }
 
-TEST(BackendChoice, FramesThatAreCutOpenOrInHasteDoNotCount)
-{
+TEST(BackendChoice, FramesThatAreCutOpenOrInHasteDoNotCount) {
   BackendChoice choice;
   add(choice, true, {0.05, 0.05, 0.05});
   FrameRequest cut, hasty;
@@ -86,8 +77,7 @@ TEST(BackendChoice, FramesThatAreCutOpenOrInHasteDoNotCount)
   EXPECT_TRUE(choice.prefersCard());
 }
 
-TEST(BackendChoice, OnceSettledItChangesForWhatIsMuchFasterAlone)
-{
+TEST(BackendChoice, OnceSettledItChangesForWhatIsMuchFasterAlone) {
   BackendChoice choice;
   add(choice, true, {0.050, 0.050, 0.050});
   EXPECT_FALSE(choice.prefersCard());

@@ -10,8 +10,7 @@ namespace {
 
 class InteractionTest : public WindowTest {
  protected:
-  InteractionTest()
-  {
+  InteractionTest() {
     interactor->SetRenderWindow(window);
     interactor->SetInteractorStyle(style);
     addSphere();
@@ -28,15 +27,13 @@ class InteractionTest : public WindowTest {
   vtkNew<vtkInteractorStyleTrackballCamera> style;
 
  private:
-  void send(unsigned long event, int x, int y)
-  {
+  void send(unsigned long event, int x, int y) {
     interactor->SetEventInformation(x, y);
     interactor->InvokeEvent(event, nullptr);
   }
 };
 
-TEST_F(InteractionTest, TheMouseTurnsTheSurface)
-{
+TEST_F(InteractionTest, TheMouseTurnsTheSurface) {
   const Image before = picture();
   press(80, 60);
   move(110, 70);
@@ -45,8 +42,7 @@ TEST_F(InteractionTest, TheMouseTurnsTheSurface)
   EXPECT_FALSE(mapper->getError());
 }
 
-TEST_F(InteractionTest, FramesAreCoarserWhileTheMouseMovesAndFineAfterwards)
-{
+TEST_F(InteractionTest, FramesAreCoarserWhileTheMouseMovesAndFineAfterwards) {
   mapper->setFrameBudget(1e-6);
   press(80, 60);
   move(90, 60);
@@ -66,8 +62,7 @@ TEST_F(InteractionTest, FramesAreCoarserWhileTheMouseMovesAndFineAfterwards)
   release(100, 60);
 }
 
-TEST_F(InteractionTest, AFineFrameServesAPressedButtonThatDoesNotMove)
-{
+TEST_F(InteractionTest, AFineFrameServesAPressedButtonThatDoesNotMove) {
   mapper->setFrameBudget(1e-6);
   const auto rasterized = mapper->getStatistics().rasterized;
   press(80, 60);

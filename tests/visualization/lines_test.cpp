@@ -11,8 +11,7 @@ namespace {
 
 class LinesTest : public CardTest {
  protected:
-  LinesTest()
-  {
+  LinesTest() {
     mapper->setSurface(smallSphere());
     actor->GetProperty()->SetAmbient(1.0);
     actor->GetProperty()->SetDiffuse(0.0);
@@ -20,8 +19,7 @@ class LinesTest : public CardTest {
   }
 
   /** \brief Pixels darker than anything the grey sphere has. */
-  static std::size_t countDark(const Image& image)
-  {
+  static std::size_t countDark(const Image& image) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) count += image.rgb[i] < 70;
     return count;
@@ -30,8 +28,7 @@ class LinesTest : public CardTest {
   PictureLineParams contours;
 };
 
-TEST_F(LinesTest, AContourRunsAroundASphereOnBothBackEnds)
-{
+TEST_F(LinesTest, AContourRunsAroundASphereOnBothBackEnds) {
   for (const RayBackend backend : {RayBackend::kCPU, RayBackend::kOpenGL}) {
     ASSERT_FALSE(mapper->setLines({}));
     const Image plain = pictureBy(backend);
@@ -48,8 +45,7 @@ TEST_F(LinesTest, AContourRunsAroundASphereOnBothBackEnds)
   }
 }
 
-TEST_F(LinesTest, LinesAreKeptWhileNothingMovesAndFollowTheCamera)
-{
+TEST_F(LinesTest, LinesAreKeptWhileNothingMovesAndFollowTheCamera) {
   ASSERT_FALSE(mapper->setLines(contours));
   pictureBy(RayBackend::kCPU);
   const Image first = picture();
@@ -65,8 +61,7 @@ TEST_F(LinesTest, LinesAreKeptWhileNothingMovesAndFollowTheCamera)
   EXPECT_EQ(mapper->getStatistics().rasterized, 2u);
 }
 
-TEST_F(LinesTest, ASketchIsLinesOnWhite)
-{
+TEST_F(LinesTest, ASketchIsLinesOnWhite) {
   ASSERT_TRUE(mapper->setMode(DisplayMode::kSketch));
   const Image sketch = pictureBy(RayBackend::kCPU);
   EXPECT_EQ(pixelOf(sketch, 80, 60), (std::array<int, 3>{255, 255, 255}));
@@ -75,8 +70,7 @@ TEST_F(LinesTest, ASketchIsLinesOnWhite)
   EXPECT_EQ(countDark(picture()), 0u);
 }
 
-TEST_F(LinesTest, WiderLinesCoverMoreAndBadOnesAreRefused)
-{
+TEST_F(LinesTest, WiderLinesCoverMoreAndBadOnesAreRefused) {
   ASSERT_FALSE(mapper->setLines(contours));
   const std::size_t fine = countDark(pictureBy(RayBackend::kCPU));
   LineStyle style;

@@ -16,9 +16,7 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief The text of a renderer that holds certain words; the last one drawn. */
-vtkTextActor*
-textWith(vtkRenderer* renderer, const char* words)
-{
+vtkTextActor* textWith(vtkRenderer* renderer, const char* words) {
   vtkTextActor* found = nullptr;
   vtkPropCollection* props = renderer->GetViewProps();
   props->InitTraversal();
@@ -30,8 +28,7 @@ textWith(vtkRenderer* renderer, const char* words)
 }
 
 // Cut off at the right of windows narrower than 690 pixels, it was no help.
-TEST(OverlayTest, HelpAndReadoutFitIntoTheWindow)
-{
+TEST(OverlayTest, HelpAndReadoutFitIntoTheWindow) {
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
@@ -58,8 +55,7 @@ TEST(OverlayTest, HelpAndReadoutFitIntoTheWindow)
   }
 }
 
-TEST(OverlayTest, TextGrowsWithTheWindow)
-{
+TEST(OverlayTest, TextGrowsWithTheWindow) {
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
@@ -82,8 +78,7 @@ TEST(OverlayTest, TextGrowsWithTheWindow)
   }
 }
 
-TEST(OverlayTest, HelpIsDrawnOverWhatWasAddedLater)
-{
+TEST(OverlayTest, HelpIsDrawnOverWhatWasAddedLater) {
   vtkNew<vtkRenderer> renderer;
   Overlay overlay(renderer);
   vtkNew<vtkActor2D> bar;

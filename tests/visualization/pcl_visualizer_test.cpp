@@ -18,8 +18,7 @@ namespace {
 
 class PCLVisualizerTest : public ::testing::Test {
  protected:
-  PCLVisualizerTest() : viewer("test")
-  {
+  PCLVisualizerTest() : viewer("test") {
     viewer.setSize(160, 120);
     viewer.setBackgroundColor(1.0, 1.0, 1.0);
     viewer.setCameraPosition(0.0, 0.0, 1.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0);
@@ -32,8 +31,7 @@ class PCLVisualizerTest : public ::testing::Test {
   pcl::visualization::PCLVisualizer viewer;
 };
 
-TEST_F(PCLVisualizerTest, AddsUpdatesAndRemoves)
-{
+TEST_F(PCLVisualizerTest, AddsUpdatesAndRemoves) {
   const Image empty = picture();
   const SLIMSurface sphere = *smallSphere();
   ASSERT_TRUE(addSLIMSurface(viewer, sphere, "sphere"));
@@ -52,8 +50,7 @@ TEST_F(PCLVisualizerTest, AddsUpdatesAndRemoves)
   EXPECT_EQ(shareDifferent(empty, picture(), 2), 0.0);
 }
 
-TEST_F(PCLVisualizerTest, PropertiesOfShapesWork)
-{
+TEST_F(PCLVisualizerTest, PropertiesOfShapesWork) {
   using namespace pcl::visualization;
   addSLIMSurface(viewer, *smallSphere(), "sphere");
   const Image opaque = picture();
@@ -63,8 +60,7 @@ TEST_F(PCLVisualizerTest, PropertiesOfShapesWork)
   EXPECT_TRUE(viewer.removeShape("sphere"));
 }
 
-TEST_F(PCLVisualizerTest, AScalarBarComesAndGoesWithTheMode)
-{
+TEST_F(PCLVisualizerTest, AScalarBarComesAndGoesWithTheMode) {
   addSLIMSurface(viewer, *smallSphere(), "sphere");
   const std::size_t shapes = viewer.getShapeActorMap()->size();
   EXPECT_TRUE(setSLIMSurfaceMode(viewer, DisplayMode::kMean, 8.0, "sphere"));
@@ -90,9 +86,7 @@ TEST_F(PCLVisualizerTest, AScalarBarComesAndGoesWithTheMode)
 }
 
 /** The text's lightness of the scalar bar of a renderer; -1 without one. */
-double
-barLightness(vtkRenderer* renderer)
-{
+double barLightness(vtkRenderer* renderer) {
   vtkPropCollection* props = renderer->GetViewProps();
   props->InitTraversal();
   while (vtkProp* prop = props->GetNextProp()) {
@@ -102,8 +96,7 @@ barLightness(vtkRenderer* renderer)
   return -1.0;
 }
 
-TEST_F(PCLVisualizerTest, AScalarBarIsLegibleInTheViewportOfItsSurface)
-{
+TEST_F(PCLVisualizerTest, AScalarBarIsLegibleInTheViewportOfItsSurface) {
   int left = 0, right = 0;
   viewer.createViewPort(0.0, 0.0, 0.5, 1.0, left);
   viewer.createViewPort(0.5, 0.0, 1.0, 1.0, right);
@@ -126,8 +119,7 @@ TEST_F(PCLVisualizerTest, AScalarBarIsLegibleInTheViewportOfItsSurface)
   EXPECT_GE(barLightness(at(right)), 0.0);
 }
 
-TEST_F(PCLVisualizerTest, SplatsOfACloud)
-{
+TEST_F(PCLVisualizerTest, SplatsOfACloud) {
   pcl::PointCloud<pcl::PointSurfel> cloud;
   pcl::PointSurfel surfel{};
   surfel.normal_z = 2.0f;
@@ -149,8 +141,7 @@ TEST_F(PCLVisualizerTest, SplatsOfACloud)
   EXPECT_EQ(pixelOf(picture(), 80, 60), (std::array<int, 3>{255, 255, 255}));
 }
 
-TEST(PolyDataTest, HoldsEverySurfelInWorldUnits)
-{
+TEST(PolyDataTest, HoldsEverySurfelInWorldUnits) {
   SLIMSurface surface = *smallSphere();
   surface.info.origin = {500000.0, 0.0, 0.0};
   surface.info.scale = 2.0;

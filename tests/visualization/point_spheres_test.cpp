@@ -18,8 +18,7 @@ namespace {
 struct HalfBall {
   std::vector<std::array<float, 3>> points, normals;
 
-  HalfBall()
-  {
+  HalfBall() {
     for (int i = 0; i < 60000; ++i) {
       const double z = 2.0 * (i + 0.5) / 60000.0 - 1.0,
                    angle = std::acos(-1.0) * ((i % 97) / 97.0 - 0.5);
@@ -32,8 +31,7 @@ struct HalfBall {
     points[0][1] = std::numeric_limits<float>::quiet_NaN();
   }
 
-  CloudView view(bool with_normals) const
-  {
+  CloudView view(bool with_normals) const {
     CloudView view;
     view.xyz = points.data();
     view.xyz_stride = sizeof(points[0]);
@@ -46,8 +44,7 @@ struct HalfBall {
   }
 };
 
-TEST(PointSpheresTest, AScanWithNormalsIsSeenFromTheirSide)
-{
+TEST(PointSpheresTest, AScanWithNormalsIsSeenFromTheirSide) {
   const HalfBall scan;
   const BoundingSpheres seen = spheresOfPoints(scan.view(true));
   EXPECT_TRUE(seen.oriented);
@@ -57,8 +54,7 @@ TEST(PointSpheresTest, AScanWithNormalsIsSeenFromTheirSide)
   EXPECT_LT(chooseView(blind).towards_viewer[0], 0.8);
 }
 
-TEST(PointSpheresTest, LiesWhereThePointsDo)
-{
+TEST(PointSpheresTest, LiesWhereThePointsDo) {
   const HalfBall scan;
   const BoundingSpheres object = spheresOfPoints(scan.view(false));
   EXPECT_LE(object.spheres.size(), 20000u);

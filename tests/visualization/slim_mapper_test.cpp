@@ -21,18 +21,16 @@ namespace {
 
 constexpr double kRadius = 0.25;
 
-/** \brief Share of the window's pixels that a sphere of the given radius about the origin covers. */
-double
-sphereShare(double radius, double distance)
-{
+/** \brief Share of the window's pixels that a sphere of the given radius about the origin covers.
+ */
+double sphereShare(double radius, double distance) {
   // The cone of half angle asin(r / d) cuts a disc from the image plane at depth 1.
   const double disc = radius * radius / (distance * distance - radius * radius);
   const double half_height = std::tan(15.0 * std::acos(-1.0) / 180.0);
   return std::acos(-1.0) * disc / (2.0 * half_height * 2.0 * half_height * 160.0 / 120.0);
 }
 
-TEST_F(WindowTest, DrawsASphereWhereItIs)
-{
+TEST_F(WindowTest, DrawsASphereWhereItIs) {
   EXPECT_EQ(shareDrawn(picture()), 0.0);
   addSphere();
   const Image image = picture();
@@ -41,8 +39,7 @@ TEST_F(WindowTest, DrawsASphereWhereItIs)
   EXPECT_FALSE(mapper->getError());
 }
 
-TEST_F(WindowTest, ShowsTheSamePictureAsTheModuleDoes)
-{
+TEST_F(WindowTest, ShowsTheSamePictureAsTheModuleDoes) {
   addSphere();
   for (const auto& [mode, shading] : {std::pair{DisplayMode::kNormal, ShadingMode::kNormal},
                                       std::pair{DisplayMode::kMean, ShadingMode::kMean}}) {
@@ -65,9 +62,9 @@ TEST_F(WindowTest, ShowsTheSamePictureAsTheModuleDoes)
   }
 }
 
-TEST_F(WindowTest, FramesAtRestCloseGaps)
-{
-  // Leaves .024 apart but for the four about the middle, which the others' shrunk balls do not reach.
+TEST_F(WindowTest, FramesAtRestCloseGaps) {
+  // Leaves .024 apart but for the four about the middle, which the others' shrunk balls do not
+  // reach.
   auto surface = std::make_shared<SLIMSurface>(emptySurface(2));
   for (int i = -14; i <= 14; ++i) {
     for (int j = -14; j <= 14; ++j) {
@@ -85,8 +82,7 @@ TEST_F(WindowTest, FramesAtRestCloseGaps)
   EXPECT_LT(shareDrawn(picture()), 1.0);
 }
 
-TEST_F(WindowTest, RoundingSpansNoColours)
-{
+TEST_F(WindowTest, RoundingSpansNoColours) {
   auto surface = std::make_shared<SLIMSurface>(sphereSurface(2, 0.25, 200, 0.09));
   for (float& c : surface->coefficients) c *= 1e-9f;
   mapper->setSurface(surface);
@@ -96,8 +92,7 @@ TEST_F(WindowTest, RoundingSpansNoColours)
   }
 }
 
-TEST_F(WindowTest, ChangesOfModeAndRangeShadeAgainOnly)
-{
+TEST_F(WindowTest, ChangesOfModeAndRangeShadeAgainOnly) {
   addSphere();
   const Image shaded = picture();
   EXPECT_EQ(mapper->getStatistics().rasterized, 1u);
@@ -119,8 +114,7 @@ TEST_F(WindowTest, ChangesOfModeAndRangeShadeAgainOnly)
   EXPECT_EQ(mapper->getStatistics().rasterized, 2u);
 }
 
-TEST_F(WindowTest, EachModeLooksDifferent)
-{
+TEST_F(WindowTest, EachModeLooksDifferent) {
   addSphere();
   // Of one sphere, k_max and k_min are the mean; the rest have colours of their own.
   std::vector<Image> seen;
@@ -136,8 +130,7 @@ TEST_F(WindowTest, EachModeLooksDifferent)
   EXPECT_EQ(mapper->getMode(), DisplayMode::kReflection);
 }
 
-TEST_F(WindowTest, CurvatureColoursAreThoseOfTheTable)
-{
+TEST_F(WindowTest, CurvatureColoursAreThoseOfTheTable) {
   addSphere();
   actor->GetProperty()->SetLighting(false);
   const std::pair<DisplayMode, double> truths[] = {{DisplayMode::kMean, 1.0 / kRadius},
@@ -158,8 +151,7 @@ TEST_F(WindowTest, CurvatureColoursAreThoseOfTheTable)
   }
 }
 
-TEST_F(WindowTest, ComposesDepthWithOtherActors)
-{
+TEST_F(WindowTest, ComposesDepthWithOtherActors) {
   addSphere();
   vtkNew<vtkSphereSource> ball;
   ball->SetRadius(0.1);
@@ -196,8 +188,7 @@ TEST_F(WindowTest, ComposesDepthWithOtherActors)
   EXPECT_GT(red(), alone);
 }
 
-TEST_F(WindowTest, TwoSurfacesHideEachOther)
-{
+TEST_F(WindowTest, TwoSurfacesHideEachOther) {
   addSphere();
   actor->GetProperty()->SetLighting(false);
   actor->GetProperty()->SetColor(0.0, 0.0, 1.0);
@@ -213,8 +204,7 @@ TEST_F(WindowTest, TwoSurfacesHideEachOther)
   EXPECT_EQ(pixelOf(picture(), 80, 60), (std::array<int, 3>{0, 0, 255}));
 }
 
-TEST_F(WindowTest, OpacityMixesWithWhatIsBehind)
-{
+TEST_F(WindowTest, OpacityMixesWithWhatIsBehind) {
   addSphere();
   actor->GetProperty()->SetLighting(false);
   actor->GetProperty()->SetColor(0.0, 0.0, 0.0);
@@ -228,8 +218,7 @@ TEST_F(WindowTest, OpacityMixesWithWhatIsBehind)
   EXPECT_EQ(mapper->getStatistics().rasterized, 1u);
 }
 
-TEST_F(WindowTest, ParallelProjectionKeepsTheSize)
-{
+TEST_F(WindowTest, ParallelProjectionKeepsTheSize) {
   addSphere();
   vtkCamera* camera = renderer->GetActiveCamera();
   camera->SetParallelProjection(true);
@@ -244,8 +233,7 @@ TEST_F(WindowTest, ParallelProjectionKeepsTheSize)
   EXPECT_NEAR(pick.position[2], kRadius, 1e-3);
 }
 
-TEST_F(WindowTest, FollowsTheWindowsSizeAndViewport)
-{
+TEST_F(WindowTest, FollowsTheWindowsSizeAndViewport) {
   addSphere();
   const double share = shareDrawn(picture());
   window->SetSize(321, 243);
@@ -265,8 +253,7 @@ TEST_F(WindowTest, FollowsTheWindowsSizeAndViewport)
   for (const int y : {20, 223}) EXPECT_EQ(pixelOf(half, 240, y), white) << y;
 }
 
-TEST_F(WindowTest, FollowsTheActorsPlaceAndScale)
-{
+TEST_F(WindowTest, FollowsTheActorsPlaceAndScale) {
   addSphere();
   const double share = shareDrawn(picture());
   actor->SetScale(0.5);
@@ -288,8 +275,7 @@ TEST_F(WindowTest, FollowsTheActorsPlaceAndScale)
   vtkObject::GlobalWarningDisplayOn();
 }
 
-TEST_F(WindowTest, ClippingPlanesCutTheSurfaceOpen)
-{
+TEST_F(WindowTest, ClippingPlanesCutTheSurfaceOpen) {
   addSphere();
   actor->GetProperty()->SetLighting(false);
   actor->GetProperty()->SetColor(0.0, 0.0, 0.0);
@@ -314,8 +300,7 @@ TEST_F(WindowTest, ClippingPlanesCutTheSurfaceOpen)
   EXPECT_EQ(shareDifferent(picture(), whole, 0), 0.0);
 }
 
-TEST_F(WindowTest, PickTellsTheSurfelAndItsCurvature)
-{
+TEST_F(WindowTest, PickTellsTheSurfelAndItsCurvature) {
   addSphere();
   picture();
   SurfacePick pick;
@@ -333,8 +318,7 @@ TEST_F(WindowTest, PickTellsTheSurfelAndItsCurvature)
   EXPECT_FALSE(mapper->pick(renderer, actor, 500, 60, pick));
 }
 
-TEST_F(WindowTest, PickersOfVtkFindTheActor)
-{
+TEST_F(WindowTest, PickersOfVtkFindTheActor) {
   addSphere();
   picture();
   vtkNew<vtkPropPicker> picker;
@@ -348,8 +332,7 @@ TEST_F(WindowTest, PickersOfVtkFindTheActor)
   EXPECT_GE(points->GetPointId(), 0);
 }
 
-TEST_F(WindowTest, FarFromTheOriginThePictureIsTheSame)
-{
+TEST_F(WindowTest, FarFromTheOriginThePictureIsTheSame) {
   addSphere();
   const Image image = picture();
   auto far = std::make_shared<SLIMSurface>(*mapper->getSurface());
@@ -362,8 +345,7 @@ TEST_F(WindowTest, FarFromTheOriginThePictureIsTheSame)
   EXPECT_LE(shareDifferent(image, picture(), 2), 8.0 / (160 * 120));
 }
 
-TEST_F(WindowTest, NothingToDrawDrawsNothing)
-{
+TEST_F(WindowTest, NothingToDrawDrawsNothing) {
   actor->SetMapper(mapper);
   renderer->AddActor(actor);
   EXPECT_EQ(shareDrawn(picture()), 0.0);
@@ -380,8 +362,7 @@ TEST_F(WindowTest, NothingToDrawDrawsNothing)
   EXPECT_EQ(shareDrawn(picture()), 0.0);
 }
 
-TEST_F(WindowTest, ThreadsDoNotChangeThePicture)
-{
+TEST_F(WindowTest, ThreadsDoNotChangeThePicture) {
   addSphere();
   mapper->setNumberOfThreads(1);
   const Image one = picture();

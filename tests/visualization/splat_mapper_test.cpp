@@ -9,9 +9,7 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief Two discs that face the viewer: a red one on the left, a green one on the right. */
-std::shared_ptr<SplatSet>
-twoDiscs()
-{
+std::shared_ptr<SplatSet> twoDiscs() {
   auto splats = std::make_shared<SplatSet>();
   splats->resize(2, false);
   splats->x = {-0.12f, 0.12f};
@@ -27,8 +25,7 @@ twoDiscs()
 
 class SplatWindowTest : public WindowTest {
  protected:
-  SplatWindowTest()
-  {
+  SplatWindowTest() {
     EXPECT_TRUE(discs->setSplats(twoDiscs()));
     discs->setMode(DisplayMode::kColor);
     actor->SetMapper(discs);
@@ -38,8 +35,7 @@ class SplatWindowTest : public WindowTest {
   vtkNew<SplatMapper> discs;
 };
 
-TEST_F(SplatWindowTest, ShowsTheColoursAsTheyAre)
-{
+TEST_F(SplatWindowTest, ShowsTheColoursAsTheyAre) {
   const Image image = picture();
   EXPECT_EQ(pixelOf(image, 57, 60), (std::array<int, 3>{255, 0, 0}));
   EXPECT_EQ(pixelOf(image, 103, 60), (std::array<int, 3>{0, 255, 0}));
@@ -49,8 +45,7 @@ TEST_F(SplatWindowTest, ShowsTheColoursAsTheyAre)
   EXPECT_EQ(pixel.surfel[0], 1u);
 }
 
-TEST_F(SplatWindowTest, HasNoCurvatureAndNoLevels)
-{
+TEST_F(SplatWindowTest, HasNoCurvatureAndNoLevels) {
   EXPECT_FALSE(discs->setMode(DisplayMode::kMean));
   EXPECT_FALSE(discs->setMode(DisplayMode::kLevel));
   const Image colored = picture();
@@ -59,8 +54,7 @@ TEST_F(SplatWindowTest, HasNoCurvatureAndNoLevels)
   EXPECT_EQ(discs->getStatistics().rasterized, 1u);
 }
 
-TEST_F(SplatWindowTest, ClippingPlanesLeaveDiscsOut)
-{
+TEST_F(SplatWindowTest, ClippingPlanesLeaveDiscsOut) {
   vtkNew<vtkPlane> plane;
   plane->SetNormal(1.0, 0.0, 0.0);
   discs->AddClippingPlane(plane);
@@ -69,8 +63,7 @@ TEST_F(SplatWindowTest, ClippingPlanesLeaveDiscsOut)
   EXPECT_EQ(pixelOf(image, 103, 60), (std::array<int, 3>{0, 255, 0}));
 }
 
-TEST_F(SplatWindowTest, RefusesBrokenSplats)
-{
+TEST_F(SplatWindowTest, RefusesBrokenSplats) {
   auto broken = twoDiscs();
   broken->radius[1] = -1.0f;
   EXPECT_FALSE(discs->setSplats(broken));

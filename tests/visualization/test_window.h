@@ -23,9 +23,7 @@
 namespace pcl_slim::test {
 
 /** \brief What a window shows, rows from the top. */
-inline Image
-pictureOf(vtkRenderWindow* window)
-{
+inline Image pictureOf(vtkRenderWindow* window) {
   window->Render();
   Image image;
   image.width = window->GetSize()[0];
@@ -39,18 +37,14 @@ pictureOf(vtkRenderWindow* window)
   return image;
 }
 
-inline std::array<int, 3>
-pixelOf(const Image& image, int x, int y)
-{
+inline std::array<int, 3> pixelOf(const Image& image, int x, int y) {
   const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                              static_cast<std::size_t>(x));
   return {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]};
 }
 
 /** \brief Share of pixels with a channel that differs by more than tolerance; 1 for other sizes. */
-inline double
-shareDifferent(const Image& a, const Image& b, int tolerance)
-{
+inline double shareDifferent(const Image& a, const Image& b, int tolerance) {
   if (a.width != b.width || a.height != b.height) return 1.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
@@ -64,26 +58,22 @@ shareDifferent(const Image& a, const Image& b, int tolerance)
 }
 
 /** \brief Share of pixels that are not white. */
-inline double
-shareDrawn(const Image& image)
-{
+inline double shareDrawn(const Image& image) {
   Image white = image;
   std::fill(white.rgb.begin(), white.rgb.end(), std::uint8_t{255});
   return shareDifferent(image, white, 0);
 }
 
 /** \brief A sphere of 600 quartic leaves, .25 world units wide unless said otherwise. */
-inline std::shared_ptr<SLIMSurface>
-smallSphere(double radius = 0.25, std::array<double, 3> center = {0.0, 0.0, 0.0})
-{
+inline std::shared_ptr<SLIMSurface> smallSphere(double radius = 0.25,
+                                                std::array<double, 3> center = {0.0, 0.0, 0.0}) {
   return std::make_shared<SLIMSurface>(sphereSurface(4, radius, 600, 0.36 * radius, center));
 }
 
 /** \brief A white window of 160 x 120 pixels that a test can draw in, seen from (0, 0, 1.2). */
 class WindowTest : public ::testing::Test {
  protected:
-  WindowTest()
-  {
+  WindowTest() {
     window->SetOffScreenRendering(1);
     window->SetMultiSamples(0);
     window->SetSize(160, 120);
@@ -98,8 +88,7 @@ class WindowTest : public ::testing::Test {
   }
 
   /** \brief Adds the small sphere, grey, so that no light makes it white. */
-  void addSphere(std::array<double, 3> center = {0.0, 0.0, 0.0})
-  {
+  void addSphere(std::array<double, 3> center = {0.0, 0.0, 0.0}) {
     mapper->setSurface(smallSphere(0.25, center));
     actor->SetMapper(mapper);
     actor->GetProperty()->SetColor(0.6, 0.6, 0.6);

@@ -12,9 +12,7 @@ namespace {
 
 using namespace detail;
 
-Vector3
-apply(const Matrix4& m, const Vector3& p, double w)
-{
+Vector3 apply(const Matrix4& m, const Vector3& p, double w) {
   Vector3 out{};
   for (std::size_t i = 0; i < 3; ++i) {
     out[i] = m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] + m[4 * i + 3] * w;
@@ -23,9 +21,7 @@ apply(const Matrix4& m, const Vector3& p, double w)
 }
 
 /** \brief A view turned about z by 30 degrees, scaled by 2 and moved; off the axis. */
-GLView
-testView(bool parallel)
-{
+GLView testView(bool parallel) {
   GLView view;
   const double c = 2.0 * std::cos(0.5236), s = 2.0 * std::sin(0.5236);
   view.model_to_view = {c, -s, 0, 0.3, s, c, 0, -0.2, 0, 0, 2, -7.0, 0, 0, 0, 1};
@@ -38,9 +34,7 @@ testView(bool parallel)
 }
 
 /** \brief Where a model point lands in the viewport, pixels from its upper left corner. */
-std::array<double, 2>
-project(const GLView& view, const Vector3& point)
-{
+std::array<double, 2> project(const GLView& view, const Vector3& point) {
   const Vector3 at = apply(view.model_to_view, point, 1.0);
   const Matrix4& p = view.projection;
   const double w = p[12] * at[0] + p[13] * at[1] + p[14] * at[2] + p[15];
@@ -48,8 +42,7 @@ project(const GLView& view, const Vector3& point)
   return {0.5 * (clip[0] / w + 1.0) * view.width, 0.5 * (1.0 - clip[1] / w) * view.height};
 }
 
-TEST(ViewCameraTest, RaysPassThroughThePixelsOpenGLPutsTheirPointsIn)
-{
+TEST(ViewCameraTest, RaysPassThroughThePixelsOpenGLPutsTheirPointsIn) {
   for (const bool parallel : {false, true}) {
     for (const int coarseness : {1, 2, 4}) {
       const GLView view = testView(parallel);
@@ -71,8 +64,7 @@ TEST(ViewCameraTest, RaysPassThroughThePixelsOpenGLPutsTheirPointsIn)
   }
 }
 
-TEST(ViewCameraTest, DepthsComeBackAsViewCoordinates)
-{
+TEST(ViewCameraTest, DepthsComeBackAsViewCoordinates) {
   for (const bool parallel : {false, true}) {
     const GLView view = testView(parallel);
     ViewCamera v;
@@ -89,8 +81,7 @@ TEST(ViewCameraTest, DepthsComeBackAsViewCoordinates)
   }
 }
 
-TEST(ViewCameraTest, RefusesWhatNoCameraSees)
-{
+TEST(ViewCameraTest, RefusesWhatNoCameraSees) {
   ViewCamera result;
   GLView view = testView(false);
   view.model_to_view[0] *= 1.01;  // shears

@@ -14,8 +14,7 @@
 namespace pcl_slim::test {
 namespace {
 
-TEST(ViewerStyleTest, TheMouseTurnsTheCameraAndTimeDoesNot)
-{
+TEST(ViewerStyleTest, TheMouseTurnsTheCameraAndTimeDoesNot) {
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);

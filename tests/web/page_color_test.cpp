@@ -14,8 +14,7 @@ namespace {
 using namespace test;
 using measure::Shape;
 
-TEST(ColoredPage, DrawsTheSurfacesColours)
-{
+TEST(ColoredPage, DrawsTheSurfacesColours) {
   const std::string why = whyNoBrowser();
   if (!why.empty()) GTEST_SKIP() << why;
   for (const bool exact : {true, false}) {
@@ -44,8 +43,7 @@ TEST(ColoredPage, DrawsTheSurfacesColours)
   }
 }
 
-TEST(ColoredPage, AnswersClicksWithTheColour)
-{
+TEST(ColoredPage, AnswersClicksWithTheColour) {
   if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
   for (const bool oriented : {true, false}) {
     SLIMSurface surface = fittedSurface(Shape::kBumpy, 3, oriented);

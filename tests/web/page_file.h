@@ -22,8 +22,7 @@ inline constexpr int kWidth = 120, kHeight = 90;
 class PageFile {
  public:
   PageFile(const SLIMSurface& surface, const Camera& camera, double precision, double lod = 0.0,
-           const std::vector<SpaceLine>& lines = {}, ShadingMode mode = ShadingMode::kNormal)
-  {
+           const std::vector<SpaceLine>& lines = {}, ShadingMode mode = ShadingMode::kNormal) {
     RenderParams rendering;
     rendering.lod = lod;
     ShadingParams shading;
@@ -34,8 +33,7 @@ class PageFile {
     params.lines = lines;
     write(encodePage(surface, camera, rendering, shading, params));
   }
-  PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading)
-  {
+  PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading) {
     write(encodePage(splats, camera, {}, shading, {}));
   }
   ~PageFile() { std::remove(path_.c_str()); }
@@ -43,8 +41,7 @@ class PageFile {
   std::size_t bytes() const { return bytes_; }
 
  private:
-  void write(const Result<std::string>& page)
-  {
+  void write(const Result<std::string>& page) {
     EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
     if (page) bytes_ = page->size();
   }
@@ -53,9 +50,7 @@ class PageFile {
   std::size_t bytes_ = 0;
 };
 
-inline SLIMSurface
-fittedSurface(measure::Shape shape, int degree, bool with_normals)
-{
+inline SLIMSurface fittedSurface(measure::Shape shape, int degree, bool with_normals) {
   FitParams params;
   params.degree = degree;
   const auto cloud = pcl_slim_test::sceneCloud(shape, 8000, 0.0005, 0.02);
@@ -63,9 +58,7 @@ fittedSurface(measure::Shape shape, int degree, bool with_normals)
 }
 
 /** \brief Share of pixels in which a picture differs by more than 2 of 255. */
-inline double
-shareOff(const std::vector<std::uint8_t>& seen, const Image& truth)
-{
+inline double shareOff(const std::vector<std::uint8_t>& seen, const Image& truth) {
   std::size_t off = 0;
   for (int y = 0; y < truth.height; ++y) {
     for (int x = 0; x < truth.width; ++x) {

@@ -15,9 +15,7 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief The columns that gbuffer.mjs writes, in local units. */
-void
-fillBuffer(const float* columns, std::size_t pixels, double unit, GBuffer& buffer)
-{
+void fillBuffer(const float* columns, std::size_t pixels, double unit, GBuffer& buffer) {
   const float *geometry = columns, *attributes = columns + 4 * pixels,
               *named = columns + 8 * pixels;
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -35,18 +33,14 @@ fillBuffer(const float* columns, std::size_t pixels, double unit, GBuffer& buffe
 
 }  // namespace
 
-std::string
-whyNoBrowser()
-{
+std::string whyNoBrowser() {
   if (std::string(PCL_SLIM_NODE).empty()) return "node is not installed: pages are not drawn";
   if (std::string(PCL_SLIM_CHROMIUM).empty())
     return "Chromium is not installed: pages are not drawn";
   return "";
 }
 
-std::string
-runScript(const std::string& script, const std::string& arguments)
-{
+std::string runScript(const std::string& script, const std::string& arguments) {
   const std::string command = std::string(PCL_SLIM_NODE) + " " + PCL_SLIM_WEB_TESTS + "/" + script +
                               " '" + PCL_SLIM_CHROMIUM + "' " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
@@ -57,10 +51,9 @@ runScript(const std::string& script, const std::string& arguments)
   return pclose(pipe) == 0 ? text : "FAILED " + text;
 }
 
-PageFrame
-drawPage(const std::string& script, const std::string& page, const SLIMSurface& surface,
-         const ImageSize& size, double lod, const std::vector<std::string>& modes, bool exact)
-{
+PageFrame drawPage(const std::string& script, const std::string& page, const SLIMSurface& surface,
+                   const ImageSize& size, double lod, const std::vector<std::string>& modes,
+                   bool exact) {
   const std::string out = page + ".frame";
   std::string arguments = page + " " + out + " " + std::to_string(size.width) + " " +
                           std::to_string(size.height) + " " + std::to_string(lod) +

@@ -25,33 +25,30 @@ using measure::Shape;
 
 class PageInBrowser : public testing::Test {
  protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     const std::string why = whyNoBrowser();
     if (!why.empty()) GTEST_SKIP() << why;
   }
 
-  static Camera cameraFor(const SLIMSurface& surface)
-  {
+  static Camera cameraFor(const SLIMSurface& surface) {
     return fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {kWidth, kHeight});
   }
 
   /** \brief The browser's frame, and how it differs from the renderer's in double. */
   static FrameDifference draw(const SLIMSurface& surface, double precision, double lod,
                               const std::vector<std::string>& modes, PageFrame& frame,
-                              bool exact = true)
-  {
+                              bool exact = true) {
     return draw(surface, cameraFor(surface), precision, lod, modes, frame, exact);
   }
   static FrameDifference draw(const SLIMSurface& surface, const Camera& camera, double precision,
                               double lod, const std::vector<std::string>& modes, PageFrame& frame,
-                              bool exact)
-  {
+                              bool exact) {
     const PageFile page(surface, camera, precision, lod);
     frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes, exact);
     RenderParams rendering;
     rendering.lod = lod;
-    const auto draw = lod == 0.0 ? lab::renderReference : renderSurface;  // the former: leaves alone
+    const auto draw =
+        lod == 0.0 ? lab::renderReference : renderSurface;  // the former: leaves alone
     GBuffer truth;
     EXPECT_FALSE(draw(surface, camera, rendering, truth, nullptr));
     if (frame.buffer.numPixels() != truth.numPixels()) return {};
@@ -59,8 +56,7 @@ class PageInBrowser : public testing::Test {
   }
 };
 
-TEST_F(PageInBrowser, DrawsWhatTheRendererDraws)
-{
+TEST_F(PageInBrowser, DrawsWhatTheRendererDraws) {
   const std::vector<std::string> modes{"shaded", "normal", "mean", "gauss", "kmax",
                                        "kmin",   "level",  "size", "error", "reflection"};
   for (const auto& [shape, degree, oriented] :
@@ -88,8 +84,7 @@ TEST_F(PageInBrowser, DrawsWhatTheRendererDraws)
   }
 }
 
-TEST_F(PageInBrowser, DrawsInParallelProjection)
-{
+TEST_F(PageInBrowser, DrawsInParallelProjection) {
   const SLIMSurface surface = fittedSurface(Shape::kRelief, 2, false);
   const Camera camera = fitOrthographicCamera(
       spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {kWidth, kHeight});
@@ -101,8 +96,7 @@ TEST_F(PageInBrowser, DrawsInParallelProjection)
   EXPECT_LT(d.depth_p99, 1e-6);
 }
 
-TEST_F(PageInBrowser, DrawsARoundedSurface)
-{
+TEST_F(PageInBrowser, DrawsARoundedSurface) {
   const SLIMSurface surface = fittedSurface(Shape::kRelief, 4, true);
   ASSERT_TRUE(surface.hasTrimMaps());
   PageFrame frame;
@@ -114,8 +108,7 @@ TEST_F(PageInBrowser, DrawsARoundedSurface)
 }
 
 /** The table of docs/web_page.md: surfaces named in PCL_SLIM_PAGES, separated by commas. */
-TEST_F(PageInBrowser, DrawsGivenSurfaces)
-{
+TEST_F(PageInBrowser, DrawsGivenSurfaces) {
   const char* const files = std::getenv("PCL_SLIM_PAGES");
   if (!files) GTEST_SKIP() << "PCL_SLIM_PAGES names no .slim files";
   std::printf(
@@ -147,8 +140,7 @@ TEST_F(PageInBrowser, DrawsGivenSurfaces)
   }
 }
 
-TEST_F(PageInBrowser, DrawsOnTheScreenInHalfFloats)
-{
+TEST_F(PageInBrowser, DrawsOnTheScreenInHalfFloats) {
   const SLIMSurface surface = fittedSurface(Shape::kBumpy, 4, true);
   PageFrame frame;
   const FrameDifference d = draw(surface, 0.0, 0.0, {"shaded"}, frame, false);
@@ -160,8 +152,7 @@ TEST_F(PageInBrowser, DrawsOnTheScreenInHalfFloats)
   EXPECT_LT(d.curvature_p95, 2e-3);
 }
 
-TEST_F(PageInBrowser, DrawsALevelOfDetail)
-{
+TEST_F(PageInBrowser, DrawsALevelOfDetail) {
   const SLIMSurface surface = fittedSurface(Shape::kBumpy, 2, true);
   PageFrame frame;
   const FrameDifference d = draw(surface, 0.0, 8.0, {}, frame);
@@ -172,9 +163,7 @@ TEST_F(PageInBrowser, DrawsALevelOfDetail)
 }
 
 /** \brief Discs all over a sphere, coloured by their places, with the colours' change. */
-SplatSet
-discsOnSphere()
-{
+SplatSet discsOnSphere() {
   const SLIMSurface sphere = sphereSurface(1, kSphere, 500, 0.04);
   SplatSet splats;
   splats.resize(sphere.size(), true);
@@ -196,8 +185,7 @@ discsOnSphere()
   return splats;
 }
 
-TEST_F(PageInBrowser, DrawsSplats)
-{
+TEST_F(PageInBrowser, DrawsSplats) {
   const SplatSet splats = discsOnSphere();
   const Camera camera = frontCamera(kWidth, kHeight);
   ShadingParams shading;
@@ -226,8 +214,7 @@ TEST_F(PageInBrowser, DrawsSplats)
   }
 }
 
-TEST_F(PageInBrowser, DrawsLinesWhereTheyAreSeen)
-{
+TEST_F(PageInBrowser, DrawsLinesWhereTheyAreSeen) {
   // A circle on the sphere whose near half is the upper one.
   SpaceLine ring;
   ring.kind = PictureLineKind::kRidge;
@@ -253,15 +240,13 @@ TEST_F(PageInBrowser, DrawsLinesWhereTheyAreSeen)
   EXPECT_EQ(red[0], 0);
 }
 
-TEST_F(PageInBrowser, DoesWhatItsReaderDoes)
-{
+TEST_F(PageInBrowser, DoesWhatItsReaderDoes) {
   const SLIMSurface sphere = sphereSurface(4, kSphere, 300, 0.07);
   const PageFile page(sphere, frontCamera(kWidth, kHeight), 640.0);
   EXPECT_EQ(runScript("actions.mjs", page.path()), "");
 }
 
-TEST(PageInNode, AnswersClicksInDouble)
-{
+TEST(PageInNode, AnswersClicksInDouble) {
   if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
   for (const auto& [shape, degree] :
        {std::tuple{Shape::kBumpy, 4}, std::tuple{Shape::kRelief, 3}}) {

@@ -18,9 +18,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-void
-takeEveryNth(const BlockList& blocks, std::size_t stride, BlockList& taken)
-{
+void takeEveryNth(const BlockList& blocks, std::size_t stride, BlockList& taken) {
   taken.clear();
   for (std::size_t b = 0; b < blocks.size(); b += stride) taken.push_back(blocks[b]);
 }
@@ -28,20 +26,15 @@ takeEveryNth(const BlockList& blocks, std::size_t stride, BlockList& taken)
 constexpr double kNormalLength = 1e-6;  ///< least length of a mean of unit normals in float
 
 /** The mean normal; the site's own where the points' cancel. */
-Vector3
-meanNormal(const BallSums& sums, const BallSite& site)
-{
+Vector3 meanNormal(const BallSums& sums, const BallSite& site) {
   const Vector3& n = sums.normal;
   const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-  if (length > kNormalLength * sums.weight)
-    return {n[0] / length, n[1] / length, n[2] / length};
+  if (length > kNormalLength * sums.weight) return {n[0] / length, n[1] / length, n[2] / length};
   return {site.normal[0], site.normal[1], site.normal[2]};
 }
 
 /** The direction of least spread; z where all points coincide. */
-Vector3
-leastSpread(const BallSums& sums)
-{
+Vector3 leastSpread(const BallSums& sums) {
   const auto& s = sums.second;
   const double inverse = 1.0 / sums.weight;
   const Eigen::Vector3d mean =
@@ -58,9 +51,7 @@ leastSpread(const BallSums& sums)
 }
 
 /** The weighted sums of a ball that is framed already, in its frame. */
-BallSums
-sumsOf(const BallBuffer& ball)
-{
+BallSums sumsOf(const BallBuffer& ball) {
   BallSums sums;
   for (std::size_t i = 0; i < ball.count; ++i) {
     const double g = evaluateKernel(WeightKernel::kPower4, ball.s_sq[i]);
@@ -75,9 +66,7 @@ sumsOf(const BallBuffer& ball)
 }
 
 /** The axes of one frame in coordinates of another. */
-LocalFrame
-frameWithin(const LocalFrame& frame, const LocalFrame& other)
-{
+LocalFrame frameWithin(const LocalFrame& frame, const LocalFrame& other) {
   const auto coordinates = [&](const Vector3& axis) {
     return Vector3{dot(axis, other.u), dot(axis, other.v), dot(axis, other.w)};
   };
@@ -89,9 +78,7 @@ frameWithin(const LocalFrame& frame, const LocalFrame& other)
 }
 
 /** The nearest place on the grid of centres. */
-std::array<float, 3>
-onCenterGrid(const std::array<double, 3>& place, double grid)
-{
+std::array<float, 3> onCenterGrid(const std::array<double, 3>& place, double grid) {
   std::array<float, 3> center;
   for (std::size_t a = 0; a < 3; ++a)
     center[a] = static_cast<float>(std::round(place[a] / grid) * grid);
@@ -100,9 +87,7 @@ onCenterGrid(const std::array<double, 3>& place, double grid)
 
 /** Turns a ball that has lost points to the direction of least spread of those that it kept.
  */
-FramedBall
-reframed(const FramedBall& ball)
-{
+FramedBall reframed(const FramedBall& ball) {
   const BallSums sums = sumsOf(*ball.points);
   if (!(sums.weight > 0)) return ball;
   const LocalFrame old = ball.frame();
@@ -118,9 +103,7 @@ reframed(const FramedBall& ball)
 
 }  // namespace
 
-BallSite
-siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius)
-{
+BallSite siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius) {
   const double noise_ratio = plan.noiseRatioAt(i, store.size());
   BallSite site;
   site.center = onCenterGrid(store.position(i), plan.center_grid);
@@ -132,9 +115,7 @@ siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radiu
   return site;
 }
 
-GatheredBall
-BallGatherer::gather(const BallSite& site, std::size_t stride)
-{
+GatheredBall BallGatherer::gather(const BallSite& site, std::size_t stride) {
   const BlockList* blocks = &nearby_.within(site.center, site.radius);
   if (stride > 1) {
     takeEveryNth(*blocks, stride, sampled_);
@@ -151,9 +132,7 @@ BallGatherer::gather(const BallSite& site, std::size_t stride)
   return ball;
 }
 
-bool
-normalIsAlone(const GatheredBall& ball, const FitPlan& plan)
-{
+bool normalIsAlone(const GatheredBall& ball, const FitPlan& plan) {
   if (!plan.with_normals || !plan.skip_lone_normals) return false;
   const BallConstants& constants = plan.constants.ball;
   const BallSums& sums = ball.sums;
@@ -164,9 +143,7 @@ normalIsAlone(const GatheredBall& ball, const FitPlan& plan)
   return n[0] * own[0] + n[1] * own[1] + n[2] * own[2] < constants.lone_cosine * sums.weight;
 }
 
-FramedBall
-framed(const GatheredBall& ball, const FitPlan& plan)
-{
+FramedBall framed(const GatheredBall& ball, const FitPlan& plan) {
   const BallSite& site = ball.site;
   FramedBall result{site, {}, ball.points};
   result.normal = snapNormal(site.sided ? meanNormal(ball.sums, site) : leastSpread(ball.sums));
@@ -199,10 +176,8 @@ struct Histogram {
   const std::int32_t* end() const { return count.data() + bins; }
 };
 
-Histogram
-histogramOf(const float* residuals, std::size_t count, std::size_t stride, float low, double width,
-            const SheetConstants& constants)
-{
+Histogram histogramOf(const float* residuals, std::size_t count, std::size_t stride, float low,
+                      double width, const SheetConstants& constants) {
   Histogram h;
   h.bins = std::min(constants.bins, kMostBins);
   h.from = low;
@@ -215,9 +190,7 @@ histogramOf(const float* residuals, std::size_t count, std::size_t stride, float
 }
 
 /** Bin after which Otsu's two classes part best. */
-int
-otsuThreshold(const Histogram& h)
-{
+int otsuThreshold(const Histogram& h) {
   std::int64_t total = 0, moment = 0;
   for (int b = 0; b < h.bins; ++b) {
     total += h.begin()[b];
@@ -243,9 +216,7 @@ otsuThreshold(const Histogram& h)
 }
 
 /** The deepest bin between two peaks, if it is deep enough; else the histogram's end. */
-const std::int32_t*
-valleyOf(const Histogram& h, double depth_ratio)
-{
+const std::int32_t* valleyOf(const Histogram& h, double depth_ratio) {
   const int threshold = otsuThreshold(h);
   const std::int32_t* lower_peak = std::max_element(h.begin(), h.begin() + threshold + 1);
   const std::int32_t* upper_peak = std::max_element(h.begin() + threshold + 1, h.end());
@@ -265,9 +236,7 @@ valleyOf(const Histogram& h, double depth_ratio)
 
 /** Two sheets are far apart compared with their thickness; the ripple of one badly fitted sheet,
  * which has two peaks as well, is not. */
-bool
-standsApart(const Histogram& h, int valley, double apart)
-{
+bool standsApart(const Histogram& h, int valley, double apart) {
   double count[2] = {}, sum[2] = {}, square[2] = {};
   for (int b = 0; b < h.bins; ++b) {
     const int side = b > valley;
@@ -286,13 +255,11 @@ standsApart(const Histogram& h, int valley, double apart)
 /** Looks for two sheets in the residuals of one ball (docs/theory.md, "Sheets").
  *
  * Otsu's threshold on a histogram; two sheets only if the valley between the peaks is low, and the
- * means of the sides are apart compared with their thickness. \param[in] center_residual residual of the ball's
- * centre. O(count).
+ * means of the sides are apart compared with their thickness. \param[in] center_residual residual
+ * of the ball's centre. O(count).
  */
-SheetRange
-findSheet(const float* residuals, std::size_t count, double center_residual,
-          const SheetConstants& constants)
-{
+SheetRange findSheet(const float* residuals, std::size_t count, double center_residual,
+                     const SheetConstants& constants) {
   SheetRange range;
   if (count < constants.points) return range;
   const auto [low, high] = extentOf(residuals, count);
@@ -319,10 +286,8 @@ findSheet(const float* residuals, std::size_t count, double center_residual,
 
 }  // namespace
 
-FramedBall
-recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
-          RadiusSearch& search)
-{
+FramedBall recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride,
+                     BallGatherer& gatherer, RadiusSearch& search) {
   const BallConstants& constants = plan.constants.ball;
   const Trial& right = search.right();
   const double offset = right.fit.c[0];  // of the radius
@@ -340,10 +305,8 @@ recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallG
   return result;
 }
 
-SheetRange
-SheetSplitter::sheetAt(const FramedBall& ball, const SheetConstants& constants,
-                       RadiusSearch& search)
-{
+SheetRange SheetSplitter::sheetAt(const FramedBall& ball, const SheetConstants& constants,
+                                  RadiusSearch& search) {
   const LocalFit& fit = search.right().fit;
   const double radius = ball.site.radius, e_sq = fit.residual_sq * radius * radius;
   if (fit.degree == 0 || e_sq <= constants.noise * search.noise()) return {};
@@ -352,9 +315,8 @@ SheetSplitter::sheetAt(const FramedBall& ball, const SheetConstants& constants,
   return findSheet(residuals_.data(), ball.points->count, -fit.c[0], constants);
 }
 
-FramedBall
-SheetSplitter::ownSheet(FramedBall ball, const SheetConstants& constants, RadiusSearch& search)
-{
+FramedBall SheetSplitter::ownSheet(FramedBall ball, const SheetConstants& constants,
+                                   RadiusSearch& search) {
   bool split = false;
   for (int pass = 0; pass < constants.passes; ++pass) {
     const SheetRange range = sheetAt(ball, constants, search);
@@ -373,9 +335,7 @@ namespace {
 
 /** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store.
  */
-void
-framePlane(SurfelRecord& surfel)
-{
+void framePlane(SurfelRecord& surfel) {
   const LocalFrame frame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
   const double c0 = surfel.c[0], cu = surfel.c[1], cv = surfel.c[2];
   const double length = std::sqrt(1.0 + cu * cu + cv * cv);
@@ -386,9 +346,7 @@ framePlane(SurfelRecord& surfel)
 }
 
 /** Coefficients in units of r from those in units of the gather radius: c_ij rho^(i + j - 1). */
-void
-setCoefficients(const Trial& trial, SurfelRecord& surfel)
-{
+void setCoefficients(const Trial& trial, SurfelRecord& surfel) {
   surfel.c.fill(0.0f);
   double factor = 1.0 / trial.rho;
   for (int d = 0, k = 0; d <= trial.fit.degree; ++d, factor *= trial.rho) {
@@ -398,10 +356,8 @@ setCoefficients(const Trial& trial, SurfelRecord& surfel)
 
 /** \brief The surfel of a ball whose radius is chosen: its polynomial in units of that radius,
  * without what noise adds to it on average (docs/theory.md, "Bias"). */
-SurfelRecord
-recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
-         const BiasConstants& constants)
-{
+SurfelRecord recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
+                      const BiasConstants& constants) {
   const Trial& trial = choice.trial;
   const double unit = ball.site.radius;
   SurfelRecord surfel;
@@ -424,9 +380,7 @@ recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
 
 }  // namespace
 
-BallOutcome
-BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
-{
+BallOutcome BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel) {
   ++tried_;
   const BallSite site = siteOf(store_, plan_, i, plan_.levelRadius(level));
   search_.setNoise(site.lambda);
@@ -444,9 +398,7 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
 }
 
 /** The surfel at r_r, the parent of finer ones. */
-BallOutcome
-BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
-{
+BallOutcome BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel) {
   if (!search_.right().supported) return BallOutcome::kUnsupported;
   RadiusChoice choice;
   choice.kind = RadiusChoice::Kind::kInternal;
@@ -457,9 +409,7 @@ BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
 
 /** Gathers and frames the points of every stride-th block. \return kLeaf where a radius can be
  * sought. */
-BallOutcome
-BallFitter::prepare(const BallSite& site, std::size_t stride, FramedBall& ball)
-{
+BallOutcome BallFitter::prepare(const BallSite& site, std::size_t stride, FramedBall& ball) {
   const GatheredBall gathered = gatherer_.gather(site, stride);
   if (gathered.empty()) return BallOutcome::kUnsupported;
   if (normalIsAlone(gathered, plan_)) return BallOutcome::kLoneNormal;
@@ -468,30 +418,22 @@ BallFitter::prepare(const BallSite& site, std::size_t stride, FramedBall& ball)
 }
 
 /** Lets the radius search begin on a ball. \param[in] rho_right r_r in units of its radius */
-FramedBall
-BallFitter::searchable(const FramedBall& ball, double rho_right)
-{
+FramedBall BallFitter::searchable(const FramedBall& ball, double rho_right) {
   search_.begin(*ball.points, ball.site.radius, rho_right);
   return ball;
 }
 
-FramedBall
-BallFitter::ownSheet(const FramedBall& ball)
-{
+FramedBall BallFitter::ownSheet(const FramedBall& ball) {
   if (!plan_.split_sheets) return ball;
   return splitter_.ownSheet(ball, plan_.constants.ball.sheets, search_);
 }
 
-FramedBall
-BallFitter::onItsFit(const FramedBall& ball, std::size_t stride)
-{
+FramedBall BallFitter::onItsFit(const FramedBall& ball, std::size_t stride) {
   return plan_.paper ? ball : recentred(ball, plan_, stride, gatherer_, search_);
 }
 
 /** Seeks the radius of a ball; one with too few points is gathered again one radius wider. */
-RadiusChoice
-BallFitter::chooseRadius(FramedBall& ball)
-{
+RadiusChoice BallFitter::chooseRadius(FramedBall& ball) {
   RadiusChoice choice = search_.search();
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     BallSite wider = ball.site;
@@ -505,10 +447,8 @@ BallFitter::chooseRadius(FramedBall& ball)
 
 /** Many points without even a plane are along a line: a finer level may find the band they are. The
  * ball looked at is one radius wider than the site's, so that it contains the points marked. */
-BallOutcome
-BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
-                       SurfelRecord& surfel)
-{
+BallOutcome BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
+                                   SurfelRecord& surfel) {
   const bool many = ball.points->count >= plan_.constants.ball.line_points;
   if (!many || trial.fit.degree > 0) return BallOutcome::kUnsupported;
   ++lines_;
@@ -519,10 +459,9 @@ BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial
   return BallOutcome::kLine;
 }
 
-/** A sample of some thousand points shows that a wide ball must be divided: the rest is not read. */
-bool
-BallFitter::tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surfel)
-{
+/** A sample of some thousand points shows that a wide ball must be divided: the rest is not read.
+ */
+bool BallFitter::tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surfel) {
   if (plan_.paper) return false;
   const BallConstants& constants = plan_.constants.ball;
   const std::size_t stride = gatherer_.countBlocks(site) / constants.glance_blocks;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One ball (docs/theory.md, "One ball"): its points gathered, framed, parted from another sheet, moved onto
-// their fit, and made a surfel.
+// One ball (docs/theory.md, "One ball"): its points gathered, framed, parted from another sheet,
+// moved onto their fit, and made a surfel.
 #pragma once
 
 #include <array>
@@ -19,15 +19,13 @@ namespace pcl_slim::detail {
 class NearbyBlocks {
  public:
   /** \brief Collects the blocks that meet a box; it contains the balls requested next. */
-  void collect(const BlockTree& tree, const float low[3], const float high[3])
-  {
+  void collect(const BlockTree& tree, const float low[3], const float high[3]) {
     neighborhood_.collect(tree, low, high);
     listed_radius_ = -1.0f;
   }
 
   /** \brief The blocks that meet a ball, ascending; valid until the next call. */
-  const BlockList& within(const std::array<float, 3>& center, double radius)
-  {
+  const BlockList& within(const std::array<float, 3>& center, double radius) {
     const auto r = static_cast<float>(radius);
     if (r != listed_radius_ || center != listed_center_) {
       neighborhood_.blocksInBall(center.data(), r, blocks_);
@@ -64,8 +62,7 @@ struct GatheredBall {
 };
 
 /** \brief The site of stored point i for balls of a radius. */
-BallSite
-siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius);
+BallSite siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius);
 
 /** \brief Gathers balls of one store. One per thread: it keeps its scratch memory, so a gathered
  * ball lasts until the next. */
@@ -76,8 +73,7 @@ class BallGatherer {
   NearbyBlocks& nearby() { return nearby_; }
 
   /** \brief How many blocks a site's ball meets. */
-  std::size_t countBlocks(const BallSite& site)
-  {
+  std::size_t countBlocks(const BallSite& site) {
     return nearby_.within(site.center, site.radius).size();
   }
 
@@ -98,8 +94,7 @@ class BallGatherer {
 
 /** \brief Whether the ball's points turn elsewhere than its centre: too few share its side, or
  * those that do are the ball's rim, bent away from it (docs/theory.md, "Lone normals"). */
-bool
-normalIsAlone(const GatheredBall& ball, const FitPlan& plan);
+bool normalIsAlone(const GatheredBall& ball, const FitPlan& plan);
 
 /** \brief A gathered ball in the frame of its normal n_c: its points are frame coordinates in units
  * of the site's radius. */
@@ -113,8 +108,7 @@ struct FramedBall {
 
 /** \brief Frames a ball by the mean normal of its points, or where none are given by the direction
  * of their least weighted spread. */
-FramedBall
-framed(const GatheredBall& ball, const FitPlan& plan);
+FramedBall framed(const GatheredBall& ball, const FitPlan& plan);
 
 /** \brief A surfel as the cover makes it; the columns of SLIMSurface are filled at the end. */
 struct SurfelRecord {
@@ -129,13 +123,13 @@ struct SurfelRecord {
  * lopsided part of the points (docs/theory.md, "Where the default departs from the paper"). It is
  * gathered and framed anew there. \param[in] stride of the blocks gathered \param[in,out] search
  * begun on the ball, and begun anew where it moves */
-FramedBall
-recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
-          RadiusSearch& search);
+FramedBall recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride,
+                     BallGatherer& gatherer, RadiusSearch& search);
 
 struct SheetRange;
 
-/** \brief Keeps the centre's sheet of balls with two sheets. One per thread: it keeps its memory. */
+/** \brief Keeps the centre's sheet of balls with two sheets. One per thread: it keeps its memory.
+ */
 class SheetSplitter {
  public:
   /** \brief Where the residuals at r_r show two sheets, drops the other one's points and frames the
@@ -173,9 +167,7 @@ struct BallCounters {
 class BallFitter {
  public:
   BallFitter(const PointStore& store, const FitPlan& plan)
-      : store_(store), plan_(plan), gatherer_(store, plan), search_(plan)
-  {
-  }
+      : store_(store), plan_(plan), gatherer_(store, plan), search_(plan) {}
 
   /** \brief The blocks near the region whose centres come next. */
   NearbyBlocks& nearby() { return gatherer_.nearby(); }
@@ -184,8 +176,7 @@ class BallFitter {
    * node; of a line, the ball around it. */
   BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
-  BallCounters counters() const
-  {
+  BallCounters counters() const {
     return {gatherer_.numGathered(), splitter_.numSplit(), tried_, lines_, search_.counts()};
   }
 

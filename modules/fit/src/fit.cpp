@@ -29,18 +29,14 @@ struct CoverResult {
   double rms = 0;     ///< residual of the leaves [share of L]
 };
 
-std::string
-formatted(const char* format, double a, double b)
-{
+std::string formatted(const char* format, double a, double b) {
   char text[256];
   std::snprintf(text, sizeof(text), format, a, b);
   return text;
 }
 
 /** x to six significant digits. */
-double
-rounded(double x)
-{
+double rounded(double x) {
   char text[32];
   const auto written = std::to_chars(text, text + sizeof(text), x, std::chars_format::general, 6);
   std::from_chars(text, written.ptr, x);
@@ -55,14 +51,11 @@ class FactorSearch {
         plan_(plan),
         noise_(std::max(plan.energy.lambda, plan.constants.penalty_search.least_variance)),
         threads_(threads),
-        progress_(progress)
-  {
-  }
+        progress_(progress) {}
 
   /** The bracket: the noise as measured, and the factor beyond which no surface is left. */
   double least() const { return 1; }
-  double most() const
-  {
+  double most() const {
     return rounded(std::max(1.0, std::pow(constants().largest_error * plan_.diagonal, 2) / noise_));
   }
 
@@ -70,8 +63,7 @@ class FactorSearch {
 
   FitPlan planAt(double factor) const { return plan_.withLambda(factor * noise_); }
 
-  Error run(double factor, CoverResult& result)
-  {
+  Error run(double factor, CoverResult& result) {
     const FitPlan plan = planAt(factor);
     LevelCover cover(store_, plan, threads_);
     if (Error error = cover.run(startLevel(store_, plan), progress_)) return error;
@@ -89,13 +81,13 @@ class FactorSearch {
     return {};
   }
 
-  /** Secant steps in log-log for a factor with goal(result) = log(measured / wanted) in [least_goal, most_goal].
-   * \param[in] goal_low,goal_high at the ends of the bracket, of opposite signs \param[out] kept the factor
-   * found, else the last one tried whose measure is below the wanted one. */
+  /** Secant steps in log-log for a factor with goal(result) = log(measured / wanted) in
+   * [least_goal, most_goal].
+   * \param[in] goal_low,goal_high at the ends of the bracket, of opposite signs \param[out] kept
+   * the factor found, else the last one tried whose measure is below the wanted one. */
   template <typename Goal>
   Error solve(double goal_low, double goal_high, double least_goal, double most_goal,
-              const Goal& goal, double& kept)
-  {
+              const Goal& goal, double& kept) {
     double log_low = std::log(least()), log_high = std::log(most());
     kept = goal_low >= least_goal && goal_low <= most_goal ? least() : most();
     for (int step = 0; step < constants().most_covers; ++step) {
@@ -121,9 +113,7 @@ class FactorSearch {
   Progress* progress_;
 };
 
-Error
-solveError(FactorSearch& search, double target, double& factor)
-{
+Error solveError(FactorSearch& search, double target, double& factor) {
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.rms, 1e-12) / target); };
   CoverResult finest, coarsest;
   factor = search.least();
@@ -143,9 +133,7 @@ solveError(FactorSearch& search, double target, double& factor)
   return search.solve(goal(finest), goal(coarsest), -tolerance, tolerance, goal, factor);
 }
 
-Error
-solveCount(FactorSearch& search, double most, double& factor)
-{
+Error solveCount(FactorSearch& search, double most, double& factor) {
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.leaves, 0.5) / most); };
   CoverResult finest, coarsest;
   factor = search.least();
@@ -162,19 +150,17 @@ solveCount(FactorSearch& search, double most, double& factor)
                       std::log(1 - search.constants().count_tolerance), 0.0, goal, factor);
 }
 
-/** \brief A plan whose noise variance is multiplied by a NoiseFactor, or by the factor that meets a TargetError
- * or MaxSurfels; with another SizeRule the plan as it is.
+/** \brief A plan whose noise variance is multiplied by a NoiseFactor, or by the factor that meets a
+ * TargetError or MaxSurfels; with another SizeRule the plan as it is.
  *
- * The error a user allows is treated as if it were noise: covers are run while the factor is moved by secant
- * steps in log-log until the RMS residual meets the target within 3 %, or the leaves number at most
- * max_surfels (and, where reachable, 95 % of it). Factors have six decimal digits, so that one which is
- * printed gives the same fit. \param[out] factor the one used; 0: none
+ * The error a user allows is treated as if it were noise: covers are run while the factor is moved
+ * by secant steps in log-log until the RMS residual meets the target within 3 %, or the leaves
+ * number at most max_surfels (and, where reachable, 95 % of it). Factors have six decimal digits,
+ * so that one which is printed gives the same fit. \param[out] factor the one used; 0: none
  * \return an error where no factor reaches the goal, naming what is reachable.
  */
-Result<FitPlan>
-sizedPlan(const PointStore& store, const FitParams& params, FitPlan plan, int threads,
-          Progress* progress, double& factor)
-{
+Result<FitPlan> sizedPlan(const PointStore& store, const FitParams& params, FitPlan plan,
+                          int threads, Progress* progress, double& factor) {
   const auto* given = std::get_if<NoiseFactor>(&params.size);
   const auto* target = std::get_if<TargetError>(&params.size);
   const auto* most = std::get_if<MaxSurfels>(&params.size);
@@ -188,21 +174,17 @@ sizedPlan(const PointStore& store, const FitParams& params, FitPlan plan, int th
   return search.planAt(factor);
 }
 
-/** The parameters, with the cloud's sensor as viewpoint where neither a viewpoint is given nor points have
- * sensors of their own. */
-FitParams
-facingSensor(const PointStore& store, FitParams params)
-{
+/** The parameters, with the cloud's sensor as viewpoint where neither a viewpoint is given nor
+ * points have sensors of their own. */
+FitParams facingSensor(const PointStore& store, FitParams params) {
   if (!params.viewpoint && !store.hasSensors()) params.viewpoint = store.sensor();
   return params;
 }
 
-/** Gives the store of all points the sides and places that a fit gave those that are left without outliers;
- * outliers stay as they are. */
-void
-takeFromRest(const PointStore& rest, const std::vector<std::uint32_t>& outliers, int threads,
-             SidedStore& sided)
-{
+/** Gives the store of all points the sides and places that a fit gave those that are left without
+ * outliers; outliers stay as they are. */
+void takeFromRest(const PointStore& rest, const std::vector<std::uint32_t>& outliers, int threads,
+                  SidedStore& sided) {
   const std::size_t size = sided.store().size();
   std::vector<std::array<float, 3>> sides(size, {0, 0, 0});
   std::vector<std::array<double, 3>> places(size);
@@ -222,10 +204,8 @@ takeFromRest(const PointStore& rest, const std::vector<std::uint32_t>& outliers,
 }
 
 /** The stages of a fit, once outliers are left out. */
-Error
-fitStages(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-          SLIMSurface& surface, FitStatistics& stats, Progress* progress)
-{
+Error fitStages(const FitConstants& constants, const FitParams& params, SidedStore& sided,
+                SLIMSurface& surface, FitStatistics& stats, Progress* progress) {
   Stopwatch watch;
   Result<CloudMeasures> measured =
       measureCloud(sided.store(), params, constants, stats.threads, stats);
@@ -277,10 +257,8 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   return checkLeaves(store, stats);
 }
 
-Error
-fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& asked,
-         SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
-{
+Error fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& asked,
+               SLIMSurface& surface, FitStatistics* statistics, Progress* progress) {
   surface.clear();
   const PointStore& all = sided.store();
   if (Error error = asked.validate()) return error;
@@ -318,35 +296,28 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
 
 }  // namespace
 
-Error
-fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& params,
-                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
-{
+Error fitWithConstants(const FitConstants& constants, const PointStore& store,
+                       const FitParams& params, SLIMSurface& surface, FitStatistics* statistics,
+                       Progress* progress) {
   SidedStore sided(store);
   return fitStore(constants, sided, params, surface, statistics, progress);
 }
 
-Error
-fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
-                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
-{
+Error fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                       SLIMSurface& surface, FitStatistics* statistics, Progress* progress) {
   SidedStore sided(store);
   return fitStore(constants, sided, params, surface, statistics, progress);
 }
 
 }  // namespace detail
 
-Error
-fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
-           FitStatistics* statistics, Progress* progress)
-{
+Error fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+                 FitStatistics* statistics, Progress* progress) {
   return detail::fitWithConstants({}, store, params, surface, statistics, progress);
 }
 
-Error
-fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
-           FitStatistics* statistics, Progress* progress)
-{
+Error fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
+                 FitStatistics* statistics, Progress* progress) {
   return detail::fitWithConstants({}, store, params, surface, statistics, progress);
 }
 

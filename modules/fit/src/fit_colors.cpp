@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Weighted sums of points' colours over the plane of a surfel, compiled for each instruction set, and the
-// polynomials that they give.
+// Weighted sums of points' colours over the plane of a surfel, compiled for each instruction set,
+// and the polynomials that they give.
 #include "pcl_slim/fit/fit_colors.h"
 
 #include <Eigen/Cholesky>
@@ -57,9 +57,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /** One channel of a group of points. */
-HWY_INLINE Vec
-loadChannel(const std::uint8_t* channel)
-{
+HWY_INLINE Vec loadChannel(const std::uint8_t* channel) {
   const Tag d;
   const hn::Rebind<std::uint8_t, Tag> bytes;
   const hn::Rebind<std::int32_t, Tag> integers;
@@ -67,10 +65,8 @@ loadChannel(const std::uint8_t* channel)
 }
 
 template <int D, WeightKernel K>
-ColorSums
-sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
-            const ColorColumns& colors)
-{
+ColorSums sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
+                      const ColorColumns& colors) {
   const Tag d;
   const float scale = 1.0f / surfel.ball.radius;
   Vec axes[3][3];
@@ -111,10 +107,8 @@ sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& s
 }
 
 /** Sums over the points of some blocks inside a surfel's ball, weighted by a kernel. */
-ColorSums
-sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
-          WeightKernel kernel, const ColorColumns& colors)
-{
+ColorSums sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
+                    WeightKernel kernel, const ColorColumns& colors) {
   ColorSums sums;
   forDegree(surfel.degree, [&](auto degree) HWY_ATTR {
     sums = kernel == WeightKernel::kGaussian
@@ -132,10 +126,8 @@ namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(sumColors);
 
-ColorSums
-sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
-          WeightKernel kernel, const ColorColumns& colors)
-{
+ColorSums sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
+                    WeightKernel kernel, const ColorColumns& colors) {
   return HWY_DYNAMIC_DISPATCH(sumColors)(store, blocks, surfel, kernel, colors);
 }
 
@@ -156,9 +148,8 @@ constexpr std::uint8_t kGrey = 128;      ///< of surfels without any point
 constexpr std::size_t kSlice = 1 << 14;  ///< points that a thread takes at a time
 
 /** Colours in the order of the store. */
-ColorColumns
-inStoreOrder(const PointStore& store, const CloudView& cloud, const ColorView& colors, int threads)
-{
+ColorColumns inStoreOrder(const PointStore& store, const CloudView& cloud, const ColorView& colors,
+                          int threads) {
   ColorColumns columns;
   for (auto& column : columns) column.resize(store.numBlocks() * PointStore::kBlock);
   parallelFor((store.size() + kSlice - 1) / kSlice, threads, 1, [&](std::size_t s, int) {
@@ -179,9 +170,7 @@ constexpr std::array<std::array<int, 2>, kColorTerms> kPowers = {
 
 /** The polynomials; the weight of one more point pulls them towards a constant colour, so that few
  * points, or points on one side, give no steep slopes. */
-ColorPolynomial
-solve(const ColorSums& sums)
-{
+ColorPolynomial solve(const ColorSums& sums) {
   Eigen::Matrix<double, kColorTerms, kColorTerms> matrix;
   Eigen::Matrix<double, kColorTerms, 3> right;
   for (int k = 0; k < kColorTerms; ++k) {
@@ -205,16 +194,14 @@ solve(const ColorSums& sums)
   return color;
 }
 
-/** Fits the colours of one surface's surfels, one after another. One per thread: it keeps its memory. */
+/** Fits the colours of one surface's surfels, one after another. One per thread: it keeps its
+ * memory. */
 class ColorFitter {
  public:
   ColorFitter(const PointStore& store, const ColorColumns& colors, const SLIMSurface& surface)
-      : store_(store), colors_(colors), surface_(surface)
-  {
-  }
+      : store_(store), colors_(colors), surface_(surface) {}
 
-  void fit(std::size_t i, std::uint8_t* bytes)
-  {
+  void fit(std::size_t i, std::uint8_t* bytes) {
     const float center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
     found_.clear();
     store_.tree().blocksInBall(center, surface_.radius[i], found_);
@@ -230,8 +217,7 @@ class ColorFitter {
 
  private:
   /** \param[in] own_sheet only points of the surfel's own sheet */
-  ColorSums sumsOf(std::size_t i, bool own_sheet) const
-  {
+  ColorSums sumsOf(std::size_t i, bool own_sheet) const {
     const SLIMSurface& s = surface_;
     const float normal[3] = {s.nx[i], s.ny[i], s.nz[i]};
     detail::ColorBall surfel;
@@ -254,10 +240,8 @@ class ColorFitter {
 
 }  // namespace
 
-Error
-fitColors(const PointStore& store, const CloudView& cloud, const ColorView& colors, int threads,
-          SLIMSurface& surface)
-{
+Error fitColors(const PointStore& store, const CloudView& cloud, const ColorView& colors,
+                int threads, SLIMSurface& surface) {
   surface.colors.clear();
   if (colors.bgr == nullptr || surface.empty()) return {};
   if (store.origin() != surface.info.origin || store.scale() != surface.info.scale)

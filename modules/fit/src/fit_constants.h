@@ -91,8 +91,8 @@ struct OrientConstants {
   std::size_t blocks = 128;  ///< of points that vote on a leaf's side, at most
 };
 
-/** \brief The search for a target error or a number of surfels (docs/theory.md, "The penalty, target
- * error and number of surfels"). */
+/** \brief The search for a target error or a number of surfels (docs/theory.md, "The penalty,
+ * target error and number of surfels"). */
 struct PenaltySearchConstants {
   int most_covers = 12;           ///< covers that are tried
   double error_tolerance = 0.03;  ///< of the target error
@@ -102,10 +102,10 @@ struct PenaltySearchConstants {
   double least_variance = 1e-24;  ///< lambda [local length squared] that log-log starts from
 };
 
-/** \brief The tuning constants that fitWithConstants() may override. Those of one step alone, such as
- * RadiusConstants, TrimConstants and BorderConstants, stand at that step. Paragraphs are those of
- * docs/theory.md. Lengths are in the units that square brackets name; what has no unit is a ratio
- * or a count. */
+/** \brief The tuning constants that fitWithConstants() may override. Those of one step alone, such
+ * as RadiusConstants, TrimConstants and BorderConstants, stand at that step. Paragraphs are those
+ * of docs/theory.md. Lengths are in the units that square brackets name; what has no unit is a
+ * ratio or a count. */
 struct FitConstants {
   PresetConstants preset;
   NoiseConstants noise;
@@ -119,15 +119,13 @@ struct FitConstants {
 
 /** \brief fitSurface() with other tuning constants than the library's: for measuring what each is
  * worth. */
-Error
-fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& params,
-                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
-                 Progress* progress = nullptr);
+Error fitWithConstants(const FitConstants& constants, const PointStore& store,
+                       const FitParams& params, SLIMSurface& surface,
+                       FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief The same of a store that keeps the sides found. */
-Error
-fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
-                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
-                 Progress* progress = nullptr);
+Error fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                       SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                       Progress* progress = nullptr);
 
 }  // namespace pcl_slim::detail

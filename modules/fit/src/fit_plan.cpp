@@ -20,16 +20,12 @@ constexpr double kLeastHole = 2.0;  ///< spacings: smaller gaps are between neig
 constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, no ball spans them
 constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals without information
 
-Error
-bad(const char* text)
-{
+Error bad(const char* text) {
   return {ErrorCode::kBadArgument, text};
 }
 
 /** Checks the parameters of the noise, one by one and together. */
-Error
-validateNoise(const FitParams& params)
-{
+Error validateNoise(const FitParams& params) {
   const double tau = params.noise_correlation.value_or(1);
   if (!(tau >= 1) || !std::isfinite(tau))
     return bad("1 point or more share their errors (0: told by the data)");
@@ -47,15 +43,11 @@ validateNoise(const FitParams& params)
   return {};
 }
 
-bool
-isPositive(double value)
-{
+bool isPositive(double value) {
   return value > 0 && std::isfinite(value);
 }
 
-Error
-validateSize(const SizeRule& size)
-{
+Error validateSize(const SizeRule& size) {
   if (const auto* penalty = std::get_if<PenaltyWeight>(&size)) {
     if (!isPositive(penalty->kappa.value_or(1)))
       return bad("the penalty kappa must be positive (0: by the other parameters)");
@@ -74,9 +66,7 @@ validateSize(const SizeRule& size)
 
 }  // namespace
 
-Error
-FitParams::validate() const
-{
+Error FitParams::validate() const {
   if (degree && (*degree < 1 || *degree > kMaxDegree))
     return bad("the polynomial degree must be 1, 2, 3 or 4 (0: by the other parameters)");
   if (Error error = validateSize(size)) return error;
@@ -106,9 +96,7 @@ FitParams::validate() const
   return {};
 }
 
-FitParams
-FitParams::resolved() const
-{
+FitParams FitParams::resolved() const {
   return resolvedParams(*this, PresetConstants());
 }
 
@@ -119,9 +107,7 @@ namespace pcl_slim::detail {
 namespace {
 
 /** The choices of Ohtake et al. 2005 throughout. */
-FitPlan
-paperPreset(const FitConstants& constants)
-{
+FitPlan paperPreset(const FitConstants& constants) {
   FitPlan plan(constants);
   plan.paper = true;
   plan.fit_kernel = plan.wall_kernel = plan.cover_kernel = WeightKernel::kGaussian;
@@ -134,9 +120,7 @@ paperPreset(const FitConstants& constants)
 }
 
 /** The default (docs/theory.md, "Where the default departs from the paper"). */
-FitPlan
-defaultPreset(const FitConstants& constants)
-{
+FitPlan defaultPreset(const FitConstants& constants) {
   FitPlan plan(constants);
   // Balls two levels wider than the paper's first pay on smooth parts under noise.
   plan.first_radius = constants.cover.first_radius;
@@ -144,11 +128,9 @@ defaultPreset(const FitConstants& constants)
   return plan;
 }
 
-/** T is the user's word on how fine to go: there are fewer reasons to stop above it (docs/theory.md, "T
- * given"). */
-FitPlan
-withGivenT(FitPlan plan)
-{
+/** T is the user's word on how fine to go: there are fewer reasons to stop above it
+ * (docs/theory.md, "T given"). */
+FitPlan withGivenT(FitPlan plan) {
   const PresetConstants& values = plan.constants.preset;
   plan.lenience = values.lenience_with_t;
   if (plan.lack_of_fit > 0) plan.lack_of_fit = values.lack_of_fit_with_t;
@@ -157,9 +139,7 @@ withGivenT(FitPlan plan)
   return plan;
 }
 
-FitPlan
-presetOf(const FitParams& params, const FitConstants& constants)
-{
+FitPlan presetOf(const FitParams& params, const FitConstants& constants) {
   FitPlan plan = params.paper_mode       ? paperPreset(constants)
                  : params.hasThreshold() ? FitPlan(constants)
                                          : defaultPreset(constants);
@@ -169,17 +149,13 @@ presetOf(const FitParams& params, const FitConstants& constants)
   return plan;
 }
 
-double
-defaultKappa(const FitParams& params, const PresetConstants& constants)
-{
+double defaultKappa(const FitParams& params, const PresetConstants& constants) {
   return params.sharp_features ? constants.sharp_kappa : constants.kappa;
 }
 
 }  // namespace
 
-FitParams
-resolvedParams(const FitParams& params, const PresetConstants& constants)
-{
+FitParams resolvedParams(const FitParams& params, const PresetConstants& constants) {
   FitParams settled = params;
   const bool sharp = params.sharp_features;
   if (!params.degree) settled.degree = sharp ? constants.sharp_degree : constants.degree;
@@ -188,9 +164,7 @@ resolvedParams(const FitParams& params, const PresetConstants& constants)
   return settled;
 }
 
-FitPlan
-framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants)
-{
+FitPlan framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants) {
   FitPlan plan = presetOf(params, constants);
   plan.diagonal = frame.diagonal;
   plan.center_grid = frame.center_grid;
@@ -198,10 +172,8 @@ framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& 
   return plan;
 }
 
-FitPlan
-planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
-        const CloudMeasures& measures)
-{
+FitPlan planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
+                const CloudMeasures& measures) {
   FitPlan plan = framePlan(store.frame(), params, constants);
   plan.degree = *params.degree;
   // With a target number of surfels the paper's alpha is used: it needs fewer leaves.
@@ -222,7 +194,8 @@ planFor(const PointStore& store, const FitParams& params, const FitConstants& co
   plan.energy.t_mdl = t_mdl * store.diagonal();
   plan.energy.lambda = measures.lambda;
   plan.energy.correlation = measures.correlation;
-  // The paper's lambda, which T goes with, contains the surface's bend, too; the smallest balls follow it.
+  // The paper's lambda, which T goes with, contains the surface's bend, too; the smallest balls
+  // follow it.
   if (!params.hasThreshold() && !params.paper_mode) plan.noise = measures.noise;
   plan.noise_profile = measures.noise_profile;
   plan.normal_error = measures.normal_error;
@@ -233,9 +206,7 @@ namespace {
 
 constexpr std::size_t kGrain = 16;  ///< pieces a thread takes at a time; no result depends on it
 
-void
-setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface)
-{
+void setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface) {
   surface.cx[i] = r.center[0];
   surface.cy[i] = r.center[1];
   surface.cz[i] = r.center[2];
@@ -253,9 +224,7 @@ setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface)
               surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
 }
 
-SurfaceInfo
-makeInfo(const PointStore& store, const FitPlan& plan)
-{
+SurfaceInfo makeInfo(const PointStore& store, const FitPlan& plan) {
   SurfaceInfo info;
   info.degree = plan.degree;
   info.fit_kernel = plan.fit_kernel;
@@ -276,9 +245,7 @@ makeInfo(const PointStore& store, const FitPlan& plan)
   return info;
 }
 
-void
-countSurfels(const SLIMSurface& surface, FitStatistics& stats)
-{
+void countSurfels(const SLIMSurface& surface, FitStatistics& stats) {
   double weight = 0, sum = 0;
   stats.leaves_per_level.assign(static_cast<std::size_t>(stats.last_level) + 1, 0);
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -295,9 +262,7 @@ countSurfels(const SLIMSurface& surface, FitStatistics& stats)
   stats.rms_error = weight > 0 ? std::sqrt(sum / weight) / surface.info.diagonal : 0.0;
 }
 
-void
-countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& stats)
-{
+void countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& stats) {
   const PointCounts counts = cover.countPoints();
   stats.points = store.size();
   stats.uncovered = counts.uncovered;
@@ -323,9 +288,7 @@ constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf take
 
 }  // namespace
 
-int
-startLevel(const PointStore& store, const FitPlan& plan)
-{
+int startLevel(const PointStore& store, const FitPlan& plan) {
   if (plan.paper) return 1;
   const CoverConstants& constants = plan.constants.cover;
   const std::size_t samples = std::min(constants.start_samples, store.size());
@@ -350,10 +313,8 @@ startLevel(const PointStore& store, const FitPlan& plan)
   return level;
 }
 
-void
-fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
-            SLIMSurface& surface)
-{
+void fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+                 SLIMSurface& surface) {
   surface.info = makeInfo(store, plan);
   const std::vector<LevelCover::Piece> pieces = cover.pieces();
   if (pieces.empty()) return;
@@ -366,9 +327,7 @@ fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cove
   });
 }
 
-Error
-checkLeaves(const PointStore& store, const FitStatistics& stats)
-{
+Error checkLeaves(const PointStore& store, const FitStatistics& stats) {
   const std::uint64_t covered = stats.points - std::min(stats.points, stats.uncovered);
   if (stats.leaves > 0 && covered >= stats.points / kFewCovered) return {};
   const std::string points = std::to_string(store.size());
@@ -389,10 +348,8 @@ checkLeaves(const PointStore& store, const FitStatistics& stats)
   return {ErrorCode::kNoSurface, why};
 }
 
-void
-countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-         FitStatistics& stats)
-{
+void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
+              FitStatistics& stats) {
   countPoints(store, cover, stats);
   countSurfels(surface, stats);
   stats.levels_skipped = stats.first_level - 1;

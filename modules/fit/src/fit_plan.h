@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the inner steps of a fit go by, and the steps before and after the cover, which the fit of a store and
-// that of a tile share.
+// What the inner steps of a fit go by, and the steps before and after the cover, which the fit of a
+// store and that of a tile share.
 #pragma once
 
 #include <algorithm>
@@ -46,12 +46,11 @@ struct Energy {
   bool corrected = true;   ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
-  double operator()(const LocalFit& fit, double r, double gather_radius) const
-  {
+  double operator()(const LocalFit& fit, double r, double gather_radius) const {
     double e_sq = variance(fit, gather_radius);
     if (corrected) {
-      // Weights fall with height, too: a thin ball measures e^2 = s^2 / (1 + a s^2 / r^2) of a noise
-      // variance s^2, and a noise-filled ball little but its own size.
+      // Weights fall with height, too: a thin ball measures e^2 = s^2 / (1 + a s^2 / r^2) of a
+      // noise variance s^2, and a noise-filled ball little but its own size.
       const double truncation = heightTruncation(fit.kernel);
       e_sq /= std::max(kLeastSeenShare, 1.0 - truncation * e_sq / (r * r));
       if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
@@ -64,8 +63,7 @@ struct Energy {
 
   /** \brief e^2 across the surface: over a slope s noise scatters heights by 1 + s^2 times
    * its variance. What a fit misses of the shape keeps its height. */
-  double variance(const LocalFit& fit, double gather_radius) const
-  {
+  double variance(const LocalFit& fit, double gather_radius) const {
     const double e_sq = fit.residual_sq * gather_radius * gather_radius;
     // With T given balls may shrink until they follow the noise, whose slopes must not excuse them.
     if (!corrected || t_mdl > 0) return e_sq;
@@ -73,27 +71,25 @@ struct Energy {
   }
 
   /** \brief The part of E(r) that small balls pay. */
-  double penalty(const LocalFit& fit, double r) const
-  {
+  double penalty(const LocalFit& fit, double r) const {
     if (t_mdl > 0) return lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
     return kappa * lambda * correlation * numCoefficients(fit.degree) / fit.n_eff;
   }
 
-  /** \brief Degrees of freedom of a fit's residuals: each coefficient takes as many points as share one
-   * error. */
-  double degreesOfFreedom(const LocalFit& fit) const
-  {
+  /** \brief Degrees of freedom of a fit's residuals: each coefficient takes as many points as share
+   * one error. */
+  double degreesOfFreedom(const LocalFit& fit) const {
     const double freedom = fit.n_eff - correlation * numCoefficients(fit.degree);
     return correlation > 1 ? std::max(freedom, 0.25 * fit.n_eff) : freedom;
   }
 
-  /** \brief Whether a ball of radius r is noise-filled: its e^2 depends more on its size than on the
-   * noise. */
+  /** \brief Whether a ball of radius r is noise-filled: its e^2 depends more on its size than on
+   * the noise. */
   bool filledByNoise(double r) const { return r * r < thick * thick * lambda; }
 };
 
-/** \brief Everything the inner steps need to know, in local units: the user's parameters, settled, and what was
- * measured. Made by planFor(), const from there on. */
+/** \brief Everything the inner steps need to know, in local units: the user's parameters, settled,
+ * and what was measured. Made by planFor(), const from there on. */
 struct FitPlan {
   FitConstants constants;
 
@@ -131,40 +127,38 @@ struct FitPlan {
   std::uint64_t seed = 1;
 
   FitPlan() = default;
-  explicit FitPlan(const FitConstants& values) : constants(values)
-  {
+  explicit FitPlan(const FitConstants& values) : constants(values) {
     energy.thick = values.preset.thick;
   }
 
   /** \brief The noise ratio about point i of n: the noise variance there over the cloud's. */
-  double noiseRatioAt(std::size_t i, std::size_t n) const
-  {
+  double noiseRatioAt(std::size_t i, std::size_t n) const {
     return noise_profile.empty() ? 1.0 : noise_profile[i * noise_profile.size() / n];
   }
 
-  /** \brief Smaller balls may miss the point that they are about, for their centres are on a grid. */
+  /** \brief Smaller balls may miss the point that they are about, for their centres are on a grid.
+   */
   double leastRadius() const { return constants.cover.least_radius * center_grid; }
 
   /** \brief Whether balls of level k are no narrower than least_ball. */
   bool allows(int k) const { return levelRadius(k) >= least_ball; }
 
-  /** \brief Whether balls of level k, and the narrower ones that they mark, contain their own points. */
+  /** \brief Whether balls of level k, and the narrower ones that they mark, contain their own
+   * points. */
   bool resolves(int k) const { return levelRadius(k) >= 2 * leastRadius(); }
 
   /** \brief r_r of level k (eq. 5). */
   double levelRadius(int k) const { return first_radius * diagonal * std::pow(kGolden, k - 1); }
 
   /** \brief The same plan with another noise variance in its energy. */
-  FitPlan withLambda(double lambda) const
-  {
+  FitPlan withLambda(double lambda) const {
     FitPlan other = *this;
     other.energy.lambda = lambda;
     return other;
   }
 
   /** \brief The same plan for levels without leaves, above those of tiles. */
-  FitPlan withoutLeaves() const
-  {
+  FitPlan withoutLeaves() const {
     FitPlan other = *this;
     other.internal_only = true;
     return other;
@@ -172,38 +166,31 @@ struct FitPlan {
 };
 
 /** \brief A user's parameters with degree and penalty settled. */
-FitParams
-resolvedParams(const FitParams& params, const PresetConstants& constants);
+FitParams resolvedParams(const FitParams& params, const PresetConstants& constants);
 
-/** \brief The preset that a user's parameters name, with the widths that a store's frame sets: what the radii of
- * levels depend on. */
-FitPlan
-framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants);
+/** \brief The preset that a user's parameters name, with the widths that a store's frame sets: what
+ * the radii of levels depend on. */
+FitPlan framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants);
 
 /** \brief The plan of a fit. \param[in] params resolved */
-FitPlan
-planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
-        const CloudMeasures& measures);
+FitPlan planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
+                const CloudMeasures& measures);
 
 /** \brief First level whose median ball contains a small share of the points: the box's size gives
  * no size of the object, as one far point can stretch it. 1 in paper mode. */
-int
-startLevel(const PointStore& store, const FitPlan& plan);
+int startLevel(const PointStore& store, const FitPlan& plan);
 
 /** \brief Writes a finished cover's surfels into a surface's columns, and how it was made into its
  * info; links are still to be built. O(surfels). */
-void
-fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
-            SLIMSurface& surface);
+void fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+                 SLIMSurface& surface);
 
 /** \brief Counts a finished fit's points and surfels, and what its cover did. The times and
  * what was measured of the cloud are the fit's own to write. O(points + surfels). */
-void
-countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-         FitStatistics& stats);
+void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
+              FitStatistics& stats);
 
 /** \brief Why a fit has no leaf, and what helps; no error where it has some. */
-Error
-checkLeaves(const PointStore& store, const FitStatistics& stats);
+Error checkLeaves(const PointStore& store, const FitStatistics& stats);
 
 }  // namespace pcl_slim::detail

@@ -31,9 +31,7 @@ struct Leaf {
   std::array<double, 6> c;
 };
 
-Leaf
-leafOf(const SLIMSurface& s, std::uint32_t i)
-{
+Leaf leafOf(const SLIMSurface& s, std::uint32_t i) {
   Leaf leaf;
   leaf.center = {s.cx[i], s.cy[i], s.cz[i]};
   leaf.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
@@ -49,9 +47,7 @@ struct Probe {
   Vector3 gradient;
 };
 
-Probe
-probe(const Leaf& leaf, const Vector3& x)
-{
+Probe probe(const Leaf& leaf, const Vector3& x) {
   const Vector3 d = subtract(x, leaf.center);
   const double r = leaf.radius;
   // A polynomial is undefined beyond its ball: evaluate it at the rim.
@@ -72,9 +68,8 @@ probe(const Leaf& leaf, const Vector3& x)
   return result;
 }
 
-OverlapEdge
-makeEdge(const AlignedVector<Leaf>& leaves, std::uint32_t a, std::uint32_t b, double distance)
-{
+OverlapEdge makeEdge(const AlignedVector<Leaf>& leaves, std::uint32_t a, std::uint32_t b,
+                     double distance) {
   const Probe at_a = probe(leaves[a], leaves[b].center), at_b = probe(leaves[b], leaves[a].center);
   const double cosine =
       dot(at_a.gradient, at_b.gradient) /
@@ -93,10 +88,8 @@ struct LevelLeaves {
   std::vector<CenterGrid::Entry> seekers;
 };
 
-LevelLeaves
-makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int level,
-          const OrientConstants& constants)
-{
+LevelLeaves makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int level,
+                      const OrientConstants& constants) {
   std::vector<std::uint32_t> members, seekers;
   LevelLeaves result;
   float& widest = result.widest;
@@ -136,8 +129,7 @@ class NearestFew {
 
   void clear() { count_ = 0; }
 
-  void offer(const Neighbor& neighbor)
-  {
+  void offer(const Neighbor& neighbor) {
     if (count_ == few_.size() && !(neighbor < few_[count_ - 1])) return;
     std::size_t place = count_ < few_.size() ? count_++ : count_ - 1;
     for (; place > 0 && neighbor < few_[place - 1]; --place) few_[place] = few_[place - 1];
@@ -161,12 +153,9 @@ class NeighborFinder {
         level_(level),
         reach_(constants.reach),
         walk_(*level.grid),
-        few_(constants.neighbors)
-  {
-  }
+        few_(constants.neighbors) {}
 
-  const NearestFew& nearest(const CenterGrid::Entry& seeker)
-  {
+  const NearestFew& nearest(const CenterGrid::Entry& seeker) {
     const auto [cell, i] = seeker;
     const float radius = surface_.radius[i];
     const float place[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
@@ -196,10 +185,9 @@ class NeighborFinder {
 
 }  // namespace
 
-std::vector<std::vector<OverlapEdge>>
-overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads,
-             const OrientConstants& constants)
-{
+std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& s,
+                                                   const std::vector<std::uint32_t>& leaves,
+                                                   int threads, const OrientConstants& constants) {
   AlignedVector<Leaf> data(s.size());
   parallelFor(leaves.size(), threads, kTask,
               [&](std::size_t at, int) { data[leaves[at]] = leafOf(s, leaves[at]); });
@@ -253,13 +241,10 @@ class LeafVote {
         radius_(s.radius[i]),
         reach_(sheet * s.error[i]),
         degree_(s.degree[i]),
-        coefficients_(s.coefficientsOf(i))
-  {
-  }
+        coefficients_(s.coefficientsOf(i)) {}
 
   /** \param[in] ray to where the point is seen from, of any length */
-  void add(const Vector3& p, const Vector3& ray, Votes& votes) const
-  {
+  void add(const Vector3& p, const Vector3& ray, Votes& votes) const {
     const Vector3 d = subtract(p, center_);
     const double near = 1 - dot(d, d) / (radius_ * radius_);
     const double range = length(ray);
@@ -280,20 +265,18 @@ class LeafVote {
   const float* coefficients_;
 };
 
-/** \brief Signs, one for each surfel, such that leaves face where their points are seen from: 1, or -1 for
- * those to be turned.
+/** \brief Signs, one for each surfel, such that leaves face where their points are seen from: 1, or
+ * -1 for those to be turned.
  *
- * Each point within a leaf's ball votes with the cosine between the leaf's normal at it and its ray,
- * weighted by nearness; points farther from the leaf than OrientConstants::sheet residuals are of
- * another sheet and vote only where there are no others. Of many points some blocks vote, evenly
- * chosen. O(leaves). \param[in] store the
- * points fitted \param[in] ray of a stored point */
+ * Each point within a leaf's ball votes with the cosine between the leaf's normal at it and its
+ * ray, weighted by nearness; points farther from the leaf than OrientConstants::sheet residuals are
+ * of another sheet and vote only where there are no others. Of many points some blocks vote, evenly
+ * chosen. O(leaves). \param[in] store the points fitted \param[in] ray of a stored point */
 template <typename Ray>
-std::vector<signed char>
-signsByRays(const SLIMSurface& surface, const PointStore& store,
-            const std::vector<std::uint32_t>& leaves, const OrientConstants& constants, int threads,
-            const Ray& ray)
-{
+std::vector<signed char> signsByRays(const SLIMSurface& surface, const PointStore& store,
+                                     const std::vector<std::uint32_t>& leaves,
+                                     const OrientConstants& constants, int threads,
+                                     const Ray& ray) {
   std::vector<signed char> signs(surface.size(), 1);
   parallelFor(leaves.size(), threads, 64, [&](std::size_t k, int) {
     thread_local std::vector<std::uint32_t> blocks;
@@ -315,16 +298,15 @@ signsByRays(const SLIMSurface& surface, const PointStore& store,
   return signs;
 }
 
-/** \brief Union-find in which every member knows its sign relative to its root, the least member. */
+/** \brief Union-find in which every member knows its sign relative to its root, the least member.
+ */
 class SignedForest {
  public:
-  explicit SignedForest(std::size_t count) : parent_(count), sign_(count, 1)
-  {
+  explicit SignedForest(std::size_t count) : parent_(count), sign_(count, 1) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  std::uint32_t root(std::uint32_t i, int& sign)
-  {
+  std::uint32_t root(std::uint32_t i, int& sign) {
     sign = 1;
     std::uint32_t r = i;
     while (parent_[r] != r) {
@@ -343,14 +325,12 @@ class SignedForest {
     return r;
   }
 
-  std::uint32_t root(std::uint32_t i)
-  {
+  std::uint32_t root(std::uint32_t i) {
     int sign;
     return root(i, sign);
   }
 
-  void join(std::uint32_t a, std::uint32_t b, bool opposed)
-  {
+  void join(std::uint32_t a, std::uint32_t b, bool opposed) {
     int sign_a, sign_b;
     const std::uint32_t ra = root(a, sign_a), rb = root(b, sign_b);
     if (ra == rb) return;
@@ -367,15 +347,11 @@ class SignedForest {
 constexpr int kClassBits = 12;
 constexpr std::uint32_t kSignBit = 0x80000000u;
 
-Vector3
-centerOf(const SLIMSurface& s, std::size_t i)
-{
+Vector3 centerOf(const SLIMSurface& s, std::size_t i) {
   return {s.cx[i], s.cy[i], s.cz[i]};
 }
 
-Vector3
-normalOf(const SLIMSurface& s, std::size_t i)
-{
+Vector3 normalOf(const SLIMSurface& s, std::size_t i) {
   return {s.nx[i], s.ny[i], s.nz[i]};
 }
 
@@ -385,13 +361,11 @@ struct Part {
   double weight = 0, flux = 0, reach = 0;
   Vector3 center{}, normal{};
 
-  bool closed(const OrientConstants& constants) const
-  {
+  bool closed(const OrientConstants& constants) const {
     return std::abs(flux) > constants.closed_flux * reach;
   }
 
-  bool turned(const OrientConstants& constants) const
-  {
+  bool turned(const OrientConstants& constants) const {
     if (std::abs(flux) > constants.flat_flux * reach) return flux < 0;
     const auto main = std::max_element(
         normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
@@ -406,9 +380,8 @@ struct Parts {
   std::vector<signed char> signs;      ///< for each leaf, relative to its root
 };
 
-Parts
-partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedForest& forest)
-{
+Parts partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+              SignedForest& forest) {
   constexpr std::uint32_t kNew = 0xffffffffu;
   Parts result;
   auto& [parts, part_of, signs] = result;
@@ -446,9 +419,7 @@ partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedFo
 }
 
 /** Which of a number of classes, each a little heavier than the last, a weight belongs to. */
-std::size_t
-weightClass(float weight)
-{
+std::size_t weightClass(float weight) {
   const float plain = weight + 0.0f;  // no -0
   std::uint32_t bits;
   std::memcpy(&bits, &plain, sizeof(bits));
@@ -460,8 +431,7 @@ weightClass(float weight)
 class ClassedEdges {
  public:
   explicit ClassedEdges(const std::vector<std::vector<OverlapEdge>>& lists)
-      : begin_((std::size_t{1} << kClassBits) + 1, 0)
-  {
+      : begin_((std::size_t{1} << kClassBits) + 1, 0) {
     for (const auto& list : lists) {
       for (const OverlapEdge& e : list) ++begin_[weightClass(e.weight) + 1];
     }
@@ -478,8 +448,7 @@ class ClassedEdges {
   /** Calls visit(edge) in ascending order for the edges for which wanted(edge) is still true when
    * their class is reached. */
   template <typename Wanted, typename Visit>
-  void forEach(const Wanted& wanted, const Visit& visit)
-  {
+  void forEach(const Wanted& wanted, const Visit& visit) {
     for (std::size_t k = 0; k + 1 < begin_.size(); ++k) {
       const auto begin = edges_.begin() + static_cast<std::ptrdiff_t>(begin_[k]);
       const auto end = edges_.begin() + static_cast<std::ptrdiff_t>(begin_[k + 1]);
@@ -496,10 +465,8 @@ class ClassedEdges {
 
 /** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
  * surfaces that face each other across a gap do not determine either's outside. */
-SignedForest
-spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-               const OrientConstants& constants, FitStatistics& stats)
-{
+SignedForest spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+                            const OrientConstants& constants, FitStatistics& stats) {
   // Most edges connect what lighter ones have joined: they are dropped before they are ordered.
   ClassedEdges edges(overlapGraph(s, leaves, stats.threads, constants));
   stats.sides.overlap_edges = edges.size();
@@ -528,10 +495,8 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
 
 /** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle.
  */
-std::vector<signed char>
-graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-           const OrientConstants& constants, FitStatistics& stats)
-{
+std::vector<signed char> graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+                                    const OrientConstants& constants, FitStatistics& stats) {
   SignedForest forest = spanningForest(s, leaves, constants, stats);
   const Parts found = partsOf(s, leaves, forest);
   std::vector<signed char> signs(s.size(), 1);
@@ -542,9 +507,7 @@ graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
   return signs;
 }
 
-std::vector<signed char>
-viewpointSigns(const SLIMSurface& s, const FitParams& params)
-{
+std::vector<signed char> viewpointSigns(const SLIMSurface& s, const FitParams& params) {
   Vector3 eye;
   for (int a = 0; a < 3; ++a) eye[a] = ((*params.viewpoint)[a] - s.info.origin[a]) / s.info.scale;
   std::vector<signed char> signs(s.size(), 1);
@@ -554,11 +517,9 @@ viewpointSigns(const SLIMSurface& s, const FitParams& params)
   return signs;
 }
 
-/** Internal surfels take the side of the leaves below them, from the finest level up; those without any keep
- * theirs. */
-void
-signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
-{
+/** Internal surfels take the side of the leaves below them, from the finest level up; those without
+ * any keep theirs. */
+void signInternals(const SLIMSurface& s, std::vector<signed char>& signs) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < s.size(); ++i) {
     if (!s.isLeaf(i)) order.push_back(i);
@@ -577,9 +538,7 @@ signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
 }
 
 /** Turns the surfels of sign -1, and internal surfels with the leaves below them. */
-void
-turn(std::vector<signed char> signs, SLIMSurface& surface)
-{
+void turn(std::vector<signed char> signs, SLIMSurface& surface) {
   signInternals(surface, signs);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (signs[i] < 0) surface.flip(i);
@@ -588,10 +547,8 @@ turn(std::vector<signed char> signs, SLIMSurface& surface)
 
 }  // namespace
 
-void
-orientSurface(const PointStore* store, const FitParams& params, const OrientConstants& constants,
-              SLIMSurface& surface, FitStatistics& stats)
-{
+void orientSurface(const PointStore* store, const FitParams& params,
+                   const OrientConstants& constants, SLIMSurface& surface, FitStatistics& stats) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<signed char> signs;
   if (params.viewpoint) {
@@ -609,10 +566,8 @@ orientSurface(const PointStore* store, const FitParams& params, const OrientCons
   turn(signs, surface);
 }
 
-void
-turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
-            SLIMSurface& surface)
-{
+void turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
+                 SLIMSurface& surface) {
   const auto side = [&](std::size_t i) {
     const std::array<float, 3> n = store.normal(i);
     return Vector3{n[0], n[1], n[2]};

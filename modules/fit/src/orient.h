@@ -18,8 +18,7 @@ struct OverlapEdge {
   std::uint32_t a, b;  ///< surfels
   bool opposed;        ///< the normals point to different sides
 
-  bool operator<(const OverlapEdge& other) const
-  {
+  bool operator<(const OverlapEdge& other) const {
     if (weight != other.weight) return weight < other.weight;
     return a != other.a ? a < other.a : b < other.b;
   }
@@ -30,28 +29,27 @@ struct OverlapEdge {
  *
  * The weight is 1 - |n . n'| plus how far each leaf passes the other's centre over their distance.
  * O(M log M) for M leaves alike in size on each level. */
-std::vector<std::vector<OverlapEdge>>
-overlapGraph(const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves, int threads,
-             const OrientConstants& constants = {});
+std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& surface,
+                                                   const std::vector<std::uint32_t>& leaves,
+                                                   int threads,
+                                                   const OrientConstants& constants = {});
 
 /** \brief Gives surfels fitted without normals a common side; flips them in place.
  *
- * Towards FitParams' viewpoint; or, where the store's points have sensors, towards those of each leaf's
- * points; or by the graph of overlapping leaves: Kruskal's spanning forest
- * with parity, edges weighted by 1 - |n . n'| and by how far each leaf passes the other's centre;
- * each connected part then turns outward as seen from its centroid. Internal surfels follow the
- * leaves below them. SurfaceInfo::oriented stays false: near sheets and creases a sign can be
- * wrong, so blending aligns signs point by point.
+ * Towards FitParams' viewpoint; or, where the store's points have sensors, towards those of each
+ * leaf's points; or by the graph of overlapping leaves: Kruskal's spanning forest with parity,
+ * edges weighted by 1 - |n . n'| and by how far each leaf passes the other's centre; each connected
+ * part then turns outward as seen from its centroid. Internal surfels follow the leaves below them.
+ * SurfaceInfo::oriented stays false: near sheets and creases a sign can be wrong, so blending
+ * aligns signs point by point.
  * \param[in] store the points fitted, or null \param[out] stats side_source and overlap_edges
  */
-void
-orientSurface(const PointStore* store, const FitParams& params, const OrientConstants& constants,
-              SLIMSurface& surface, FitStatistics& stats);
+void orientSurface(const PointStore* store, const FitParams& params,
+                   const OrientConstants& constants, SLIMSurface& surface, FitStatistics& stats);
 
-/** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted, with
- * sides */
-void
-turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
-            SLIMSurface& surface);
+/** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted,
+ * with sides */
+void turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
+                 SLIMSurface& surface);
 
 }  // namespace pcl_slim::detail

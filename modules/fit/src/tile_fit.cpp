@@ -22,43 +22,34 @@ using namespace detail;
 namespace {
 
 /** Constants by which patches stay inside a window. */
-FitConstants
-windowedConstants(const TraitsSample& how)
-{
+FitConstants windowedConstants(const TraitsSample& how) {
   FitConstants constants;
   constants.noise.most_part *= how.windows;
   return constants;
 }
 
-CloudTraits::Profile
-profileKind(const FitParams& params, const CloudMeasures& measures)
-{
+CloudTraits::Profile profileKind(const FitParams& params, const CloudMeasures& measures) {
   if (measures.noise_profile.empty()) return CloudTraits::Profile::kNone;
   const bool measured = params.local_noise == true || measures.correlation > 1;
   return measured ? CloudTraits::Profile::kMeasured : CloudTraits::Profile::kRaised;
 }
 
 /** Points of the whole cloud for a number of points of a thinned one. */
-double
-unthinned(double count, const TraitsSample& how)
-{
+double unthinned(double count, const TraitsSample& how) {
   return 1 + static_cast<double>(how.thinning) * (count - 1);
 }
 
-/** Whether noise fills the widest patches: they are as wide as the sample allows, and too narrow. */
-bool
-noiseFills(const PointStore& sample, const FitStatistics& stats, double lambda,
-           const NoiseConstants& noise)
-{
+/** Whether noise fills the widest patches: they are as wide as the sample allows, and too narrow.
+ */
+bool noiseFills(const PointStore& sample, const FitStatistics& stats, double lambda,
+                const NoiseConstants& noise) {
   const std::size_t most = sample.size() / noise.most_part;
   const double sigma = std::sqrt(lambda) / sample.diagonal();
   return 2 * stats.noise.neighbors > most && sigma >= noise.patch_noise * stats.noise.patch_radius;
 }
 
 /** The cloud's traits in place of those measured on a store. */
-CloudMeasures
-measuresOf(const CloudTraits& traits)
-{
+CloudMeasures measuresOf(const CloudTraits& traits) {
   CloudMeasures measures;
   measures.lambda = measures.noise = traits.lambda;
   measures.correlation = traits.dependence;
@@ -67,10 +58,8 @@ measuresOf(const CloudTraits& traits)
   return measures;
 }
 
-std::vector<float>
-profileOf(const PointStore& store, const CloudTraits& traits, int threads,
-          const NoiseConstants& constants)
-{
+std::vector<float> profileOf(const PointStore& store, const CloudTraits& traits, int threads,
+                             const NoiseConstants& constants) {
   NoiseLevel level;
   level.variance = traits.lambda;
   level.neighbors = static_cast<std::size_t>(traits.noise_neighbors);
@@ -81,9 +70,7 @@ profileOf(const PointStore& store, const CloudTraits& traits, int threads,
   return {};
 }
 
-PointRange
-coreOf(const PointStore& store, const TileJob& job)
-{
+PointRange coreOf(const PointStore& store, const TileJob& job) {
   const std::uint64_t *begin = store.keys(), *end = begin + store.size();
   const auto first = std::lower_bound(begin, end, job.first_key);
   const auto last = std::lower_bound(first, end, job.end_key);
@@ -92,22 +79,16 @@ coreOf(const PointStore& store, const TileJob& job)
 
 }  // namespace
 
-double
-LevelRadii::radius(int level) const
-{
+double LevelRadii::radius(int level) const {
   return first * std::pow(ratio, level - 1);
 }
 
 /** A ball with few points is gathered again one radius wider; one that moves keeps its radius. */
-double
-LevelRadii::reach(int level) const
-{
+double LevelRadii::reach(int level) const {
   return kReachMargin * radius(level) / ratio;
 }
 
-LevelRadii
-levelRadii(const StoreFrame& frame, const FitParams& params)
-{
+LevelRadii levelRadii(const StoreFrame& frame, const FitParams& params) {
   const FitPlan plan = framePlan(frame, params, {});
   LevelRadii radii{plan.levelRadius(1), kGolden, 1};
   const int last = plan.constants.cover.last_start;
@@ -116,9 +97,8 @@ levelRadii(const StoreFrame& frame, const FitParams& params)
   return radii;
 }
 
-Result<MeasuredTraits>
-measureTraits(const PointStore& sample, const FitParams& asked, const TraitsSample& how)
-{
+Result<MeasuredTraits> measureTraits(const PointStore& sample, const FitParams& asked,
+                                     const TraitsSample& how) {
   const FitConstants constants = windowedConstants(how);
   const FitParams params = resolvedParams(asked, constants.preset);
   const int threads = resolveThreads(params.threads);
@@ -142,9 +122,7 @@ measureTraits(const PointStore& sample, const FitParams& asked, const TraitsSamp
   return measured;
 }
 
-Error
-checkTileParams(const FitParams& params)
-{
+Error checkTileParams(const FitParams& params) {
   const auto no = [](const std::string& what, const std::string& remedy) {
     return Error{ErrorCode::kBadArgument, what + " is not possible by tiles: " + remedy};
   };
@@ -163,10 +141,8 @@ checkTileParams(const FitParams& params)
   return {};
 }
 
-Error
-fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
-        FitStatistics* statistics, Progress* progress)
-{
+Error fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
+              FitStatistics* statistics, Progress* progress) {
   surface.clear();
   if (Error error = checkTileParams(asked)) return error;
   const FitConstants constants;
@@ -204,10 +180,8 @@ fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurfac
   return {};
 }
 
-Error
-fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJob& job,
-                SLIMSurface& surface, Progress* progress)
-{
+Error fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJob& job,
+                      SLIMSurface& surface, Progress* progress) {
   FitConstants constants;
   constants.cover.last_level = job.last_level;
   const FitParams params = resolvedParams(asked, constants.preset);
@@ -223,9 +197,7 @@ fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJo
   return {};
 }
 
-void
-orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface)
-{
+void orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface) {
   FitParams facing = params;
   if (!params.viewpoint) facing.viewpoint = frame.sensor;
   FitStatistics stats;

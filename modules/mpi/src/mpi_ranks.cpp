@@ -16,9 +16,7 @@ constexpr std::chrono::microseconds kShortNap{20}, kLongNap{2000};
 
 }  // namespace
 
-bool
-waitFor(MPI_Request& request, double seconds)
-{
+bool waitFor(MPI_Request& request, double seconds) {
   const auto start = std::chrono::steady_clock::now();
   auto nap = kShortNap;
   for (int tests = 0;; ++tests) {
@@ -33,21 +31,17 @@ waitFor(MPI_Request& request, double seconds)
   }
 }
 
-MpiRanks::MpiRanks(MPI_Comm world)
-{
+MpiRanks::MpiRanks(MPI_Comm world) {
   MPI_Comm_dup(world, &ranks_);
   MPI_Comm_rank(ranks_, &rank_);
   MPI_Comm_size(ranks_, &size_);
 }
 
-MpiRanks::~MpiRanks()
-{
+MpiRanks::~MpiRanks() {
   MPI_Comm_free(&ranks_);
 }
 
-void
-MpiRanks::swap(std::vector<Bytes>& messages)
-{
+void MpiRanks::swap(std::vector<Bytes>& messages) {
   const auto ranks = static_cast<std::size_t>(size_), own = static_cast<std::size_t>(rank_);
   std::vector<std::uint64_t> sent(ranks), coming(ranks);
   for (std::size_t r = 0; r < ranks; ++r) sent[r] = messages[r].size();

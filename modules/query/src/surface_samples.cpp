@@ -28,9 +28,7 @@ struct SidedPoints {
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::size_t kBatch = 8192;  ///< points that are tried side by side
 
-std::uint64_t
-mixed(std::uint64_t bits)
-{
+std::uint64_t mixed(std::uint64_t bits) {
   return SplitMix{bits}.next();
 }
 
@@ -38,24 +36,21 @@ mixed(std::uint64_t bits)
 class CellTable {
  public:
   CellTable(const SidedPoints& points, double spacing)
-      : points_(points), spacing_(spacing), next_(points.position.size(), kNone)
-  {
+      : points_(points), spacing_(spacing), next_(points.position.size(), kNone) {
     std::size_t slots = 1024;
     while (slots < points.position.size() / 4) slots *= 2;
     heads_.assign(slots, kNone);
   }
 
-  void add(std::uint32_t i)
-  {
+  void add(std::uint32_t i) {
     std::uint32_t& head = heads_[slotOf(cellOf(i))];
     next_[i] = head;
     head = i;
   }
 
-  /** The nearest chosen point nearer than twice the spacing that is not i itself, of those in the cells
-   * around: surely found if it is nearer than the spacing. */
-  std::pair<std::uint32_t, double> nearest(std::uint32_t i, double bound) const
-  {
+  /** The nearest chosen point nearer than twice the spacing that is not i itself, of those in the
+   * cells around: surely found if it is nearer than the spacing. */
+  std::pair<std::uint32_t, double> nearest(std::uint32_t i, double bound) const {
     std::pair<std::uint32_t, double> best{kNone, bound * bound};
     const auto cell = cellOf(i);
     for (std::int64_t x = -1; x <= 1; ++x) {
@@ -73,23 +68,20 @@ class CellTable {
   }
 
  private:
-  std::array<std::int64_t, 3> cellOf(std::uint32_t i) const
-  {
+  std::array<std::int64_t, 3> cellOf(std::uint32_t i) const {
     std::array<std::int64_t, 3> cell;
     for (std::size_t a = 0; a < 3; ++a)
       cell[a] = static_cast<std::int64_t>(std::floor(points_.position[i][a] / spacing_));
     return cell;
   }
 
-  std::size_t slotOf(const std::array<std::int64_t, 3>& cell) const
-  {
+  std::size_t slotOf(const std::array<std::int64_t, 3>& cell) const {
     std::uint64_t hash = 0;
     for (const std::int64_t c : cell) hash = mixed(hash ^ static_cast<std::uint64_t>(c));
     return static_cast<std::size_t>(hash) & (heads_.size() - 1);
   }
 
-  double squaredDistance(std::uint32_t i, std::uint32_t j) const
-  {
+  double squaredDistance(std::uint32_t i, std::uint32_t j) const {
     double sum = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const double d = points_.position[i][a] - points_.position[j][a];
@@ -98,8 +90,7 @@ class CellTable {
     return sum;
   }
 
-  bool face(std::uint32_t i, std::uint32_t j) const
-  {
+  bool face(std::uint32_t i, std::uint32_t j) const {
     if (!points_.oriented) return true;
     const auto &m = points_.normal[i], &n = points_.normal[j];
     return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] > 0.0f;
@@ -110,11 +101,11 @@ class CellTable {
   std::vector<std::uint32_t> heads_, next_;
 };
 
-/** \brief A maximal set of points of which no two are nearer than the spacing, ascending. The points are
- * taken in an order that the seed makes. O(points); the same for any number of threads. */
-std::vector<std::uint32_t>
-poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int threads)
-{
+/** \brief A maximal set of points of which no two are nearer than the spacing, ascending. The
+ * points are taken in an order that the seed makes. O(points); the same for any number of threads.
+ */
+std::vector<std::uint32_t> poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed,
+                                      int threads) {
   const std::size_t n = points.position.size();
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
   for (std::uint32_t i = 0; i < n; ++i) order[i] = {mixed(mixed(seed) ^ i), i};
@@ -123,7 +114,8 @@ poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int th
   std::vector<std::uint32_t> set;
   std::vector<std::uint8_t> free(kBatch);
   for (std::size_t begin = 0; begin < n; begin += kBatch) {
-    // Most points are too near to one of an earlier batch; the few others are tried again in their order.
+    // Most points are too near to one of an earlier batch; the few others are tried again in their
+    // order.
     const std::size_t count = std::min(kBatch, n - begin);
     parallelFor(count, threads, 256, [&](std::size_t k, int) {
       free[k] = chosen.nearest(order[begin + k].second, spacing).first == kNone;
@@ -139,12 +131,10 @@ poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int th
   return set;
 }
 
-/** \brief Thins a set to a given size by leaving out samples: those nearest to another, one of each pair
- * first. O(set). */
-void
-thinSet(const SidedPoints& points, double spacing, std::size_t count,
-        std::vector<std::uint32_t>& set)
-{
+/** \brief Thins a set to a given size by leaving out samples: those nearest to another, one of each
+ * pair first. O(set). */
+void thinSet(const SidedPoints& points, double spacing, std::size_t count,
+             std::vector<std::uint32_t>& set) {
   if (set.size() <= count) return;
   CellTable chosen(points, spacing);
   for (const std::uint32_t i : set) chosen.add(i);
@@ -181,26 +171,20 @@ constexpr double kSurplus = 1.03;     ///< samples over the count, at most, that
 constexpr int kMostTrials = 12;
 constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
 
-/** Half the width of a leaf's (u, v) square that is sampled, in radii: beyond its cover other leaves
- * sample. */
-double
-halfWidth(const SurfaceInfo& info)
-{
+/** Half the width of a leaf's (u, v) square that is sampled, in radii: beyond its cover other
+ * leaves sample. */
+double halfWidth(const SurfaceInfo& info) {
   return std::min(1.0, 1.1 * info.cover_radius);
 }
 
 /** Nodes along a side of the square of leaf i; one of three is its centre. */
-std::int64_t
-sideOf(const SLIMSurface& surface, std::size_t i, double step)
-{
+std::int64_t sideOf(const SLIMSurface& surface, std::size_t i, double step) {
   const double steps = 2 * halfWidth(surface.info) * surface.radius[i] / step;
   return std::max<std::int64_t>(3, static_cast<std::int64_t>(steps) + 2);
 }
 
 /** Candidates of one leaf, in world coordinates. \param[in] step local length */
-void
-appendNodes(const SLIMSurface& surface, std::size_t i, double step, std::vector<double>& xyz)
-{
+void appendNodes(const SLIMSurface& surface, std::size_t i, double step, std::vector<double>& xyz) {
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
   const double r = surface.radius[i], reach = halfWidth(surface.info);
   const double center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
@@ -222,9 +206,7 @@ appendNodes(const SLIMSurface& surface, std::size_t i, double step, std::vector<
   }
 }
 
-Error
-checkNodes(const SLIMSurface& surface, double step)
-{
+Error checkNodes(const SLIMSurface& surface, double step) {
   double nodes = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const double side = 2 * halfWidth(surface.info) * surface.radius[i] / step + 3;
@@ -240,10 +222,8 @@ struct Candidates {
   std::vector<std::array<float, 2>> curvature;
 };
 
-Error
-makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress* progress,
-               Candidates& made)
-{
+Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress* progress,
+                     Candidates& made) {
   const double step = kStep * spacing / surface.info.scale;
   if (Error error = checkNodes(surface, step)) return error;
   std::vector<std::vector<double>> runs((surface.size() + kRun - 1) / kRun);
@@ -286,9 +266,7 @@ makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress
 }
 
 /** A spacing that gives about the wanted number of samples, from the area of the leaves. */
-double
-guessSpacing(const SLIMSurface& surface, double count)
-{
+double guessSpacing(const SLIMSurface& surface, double count) {
   double area = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) area += surface.radius[i] * double{surface.radius[i]};
@@ -296,10 +274,8 @@ guessSpacing(const SLIMSurface& surface, double count)
   return surface.info.scale * std::sqrt(area / count);
 }
 
-void
-take(const Candidates& candidates, const std::vector<std::uint32_t>& set, double spacing,
-     SurfaceSamples& samples)
-{
+void take(const Candidates& candidates, const std::vector<std::uint32_t>& set, double spacing,
+          SurfaceSamples& samples) {
   samples.spacing = spacing;
   samples.candidates = candidates.curvature.size();
   for (const std::uint32_t i : set) {
@@ -309,10 +285,8 @@ take(const Candidates& candidates, const std::vector<std::uint32_t>& set, double
   }
 }
 
-Error
-sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
-              Progress* progress, SurfaceSamples& samples)
-{
+Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
+                    Progress* progress, SurfaceSamples& samples) {
   Candidates candidates;
   if (Error error = makeCandidates(surface, params.spacing, threads, progress, candidates))
     return error;
@@ -322,10 +296,8 @@ sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int
 }
 
 /** Tries spacings until a few more samples than requested come out, and thins those. */
-Error
-sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
-            Progress* progress, SurfaceSamples& samples)
-{
+Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
+                  Progress* progress, SurfaceSamples& samples) {
   const auto wanted = static_cast<double>(params.count);
   const double aim = 0.5 * (1.0 + kSurplus) * wanted + 0.5;
   double spacing = guessSpacing(surface, std::min(wanted, kFirstCount));
@@ -347,9 +319,7 @@ sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int t
 
 }  // namespace
 
-Error
-SurfaceSampleParams::validate() const
-{
+Error SurfaceSampleParams::validate() const {
   const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
   if (!(spacing >= 0) || !std::isfinite(spacing))
     return bad("the spacing of samples must be positive (0: by their number)");
@@ -358,10 +328,8 @@ SurfaceSampleParams::validate() const
   return checkThreads(threads);
 }
 
-Error
-sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& params,
-              SurfaceSamples& samples, Progress* progress)
-{
+Error sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& params,
+                    SurfaceSamples& samples, Progress* progress) {
   samples = SurfaceSamples();
   if (Error error = params.validate()) return error;
   if (Error error = surface.validate()) return error;

@@ -24,9 +24,7 @@ struct SurfaceRenderer::State {
 namespace {
 
 /** \brief Looks up the residual of every covered pixel's leaf. */
-void
-lookUpResiduals(const SLIMSurface& surface, int threads, GBuffer& buffer)
-{
+void lookUpResiduals(const SLIMSurface& surface, int threads, GBuffer& buffer) {
   parallelFor(buffer.numPixels(), threads, 16384, [&](std::size_t pixel, int) {
     buffer.residual[pixel] = buffer.covered(pixel) ? surface.error[buffer.surfel[pixel]] : 0.0f;
   });
@@ -36,8 +34,7 @@ lookUpResiduals(const SLIMSurface& surface, int threads, GBuffer& buffer)
 
 SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
     : state_(new State{surface, surface.validate(), nullptr, SurfacePainter(surface),
-                       GapCloser(surface)})
-{
+                       GapCloser(surface)}) {
   if (!state_->defect) {
     state_->fast = std::make_unique<FastRasterizer>(surface, resolveThreads(threads));
   }
@@ -45,29 +42,23 @@ SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
 
 SurfaceRenderer::~SurfaceRenderer() = default;
 SurfaceRenderer::SurfaceRenderer(SurfaceRenderer&&) noexcept = default;
-SurfaceRenderer&
-SurfaceRenderer::operator=(SurfaceRenderer&&) noexcept = default;
+SurfaceRenderer& SurfaceRenderer::operator=(SurfaceRenderer&&) noexcept = default;
 
-const SLIMSurface&
-SurfaceRenderer::surface() const
-{
+const SLIMSurface& SurfaceRenderer::surface() const {
   static const SLIMSurface none;
   return state_ ? state_->surface : none;
 }
 
 /** \brief Names what keeps a frame from being drawn. */
-Error
-SurfaceRenderer::check(const Camera& camera, const RenderParams& params) const
-{
+Error SurfaceRenderer::check(const Camera& camera, const RenderParams& params) const {
   if (Error error = camera.validate()) return error;
   if (Error error = params.validate()) return error;
   if (!state_) return badInput("the renderer has been moved from; make a new one");
   return state_->defect;
 }
 
-Error
-SurfaceRenderer::closeGaps(const Camera& camera, const RenderParams& params, GBuffer& buffer)
-{
+Error SurfaceRenderer::closeGaps(const Camera& camera, const RenderParams& params,
+                                 GBuffer& buffer) {
   Error error = check(camera, params);
   if (!error && (buffer.width != camera.size.width || buffer.height != camera.size.height)) {
     error = badInput("the frame's size is not the camera's; draw it by that camera");
@@ -88,10 +79,8 @@ SurfaceRenderer::closeGaps(const Camera& camera, const RenderParams& params, GBu
   return {};
 }
 
-Error
-SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
-                        RenderStatistics* statistics)
-{
+Error SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
+                              RenderStatistics* statistics) {
   if (Error error = check(camera, params)) {
     buffer.resize(0, 0);
     return error;
@@ -115,10 +104,8 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   return {};
 }
 
-Error
-renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
-              GBuffer& buffer, RenderStatistics* statistics)
-{
+Error renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
+                    GBuffer& buffer, RenderStatistics* statistics) {
   return SurfaceRenderer(surface, params.threads).render(camera, params, buffer, statistics);
 }
 

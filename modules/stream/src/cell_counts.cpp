@@ -18,17 +18,13 @@ namespace {
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr std::size_t kBatch = kernels::kMortonBatch;
 
-Error
-tooMany()
-{
+Error tooMany() {
   return badInput("2^32 points lie within a 256th of the cloud's width: fit its parts apart");
 }
 
 }  // namespace
 
-const AlignedVector<std::uint64_t>&
-PointKeys::of(const CloudView& piece)
-{
+const AlignedVector<std::uint64_t>& PointKeys::of(const CloudView& piece) {
   const std::size_t n = piece.count();
   keys_.resize(n + kBatch);
   parallelFor((n + kSlice - 1) / kSlice, threads_, 1,
@@ -36,9 +32,7 @@ PointKeys::of(const CloudView& piece)
   return keys_;
 }
 
-void
-PointKeys::slice(const CloudView& piece, std::size_t begin, std::size_t end)
-{
+void PointKeys::slice(const CloudView& piece, std::size_t begin, std::size_t end) {
   const CloudReader reader(piece);
   const bool normals = frame_.with_normals;
   const auto& center = frame_.bulk_center;
@@ -63,14 +57,11 @@ PointKeys::slice(const CloudView& piece, std::size_t begin, std::size_t end)
   }
 }
 
-CellCounts::CellCounts() : table_(std::size_t{1} << (3 * kTableDepth), 0)
-{
+CellCounts::CellCounts() : table_(std::size_t{1} << (3 * kTableDepth), 0) {
   addPage();  // number 0 is none
 }
 
-std::uint32_t
-CellCounts::addPage()
-{
+std::uint32_t CellCounts::addPage() {
   const auto page = static_cast<std::uint32_t>(values_.size() / kPage);
   values_.resize(values_.size() + kPage, 0);
   deeper_.resize(deeper_.size() + kPage, 0);
@@ -78,9 +69,7 @@ CellCounts::addPage()
 }
 
 /** The slot of the deepest cell that contains a code; the first pass makes it. Slot 0: none. */
-std::size_t
-CellCounts::slotOf(std::uint64_t key, int& depth)
-{
+std::size_t CellCounts::slotOf(std::uint64_t key, int& depth) {
   std::uint32_t& top = table_[cellOf(key, kTableDepth)];
   if (top == 0) {
     if (depth_ != kTableDepth + kPageDepth) return 0;
@@ -96,9 +85,7 @@ CellCounts::slotOf(std::uint64_t key, int& depth)
   return slot;
 }
 
-Error
-CellCounts::add(const std::uint64_t* keys, std::size_t count)
-{
+Error CellCounts::add(const std::uint64_t* keys, std::size_t count) {
   int depth = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t key = keys[i];
@@ -110,9 +97,7 @@ CellCounts::add(const std::uint64_t* keys, std::size_t count)
   return {};
 }
 
-Error
-CellCounts::replace(const std::vector<TilePlan::Cell>& cells)
-{
+Error CellCounts::replace(const std::vector<TilePlan::Cell>& cells) {
   int depth = 0;
   for (const TilePlan::Cell& cell : cells) {
     if (cell.points == std::numeric_limits<std::uint32_t>::max()) return tooMany();
@@ -121,9 +106,7 @@ CellCounts::replace(const std::vector<TilePlan::Cell>& cells)
   return {};
 }
 
-bool
-CellCounts::divideCells(std::uint64_t most)
-{
+bool CellCounts::divideCells(std::uint64_t most) {
   if (depth_ >= kMostDepth) return false;
   bool divided = false;
   for (std::size_t slot = kPage; slot < values_.size(); ++slot) {
@@ -139,9 +122,8 @@ CellCounts::divideCells(std::uint64_t most)
 }
 
 template <typename Visit>
-void
-CellCounts::forPage(std::uint32_t page, std::uint64_t code, int depth, const Visit& visit) const
-{
+void CellCounts::forPage(std::uint32_t page, std::uint64_t code, int depth,
+                         const Visit& visit) const {
   for (std::size_t k = 0; k < kPage; ++k) {
     const std::size_t slot = page * kPage + k;
     const std::uint64_t cell = code << (3 * kPageDepth) | k;
@@ -153,17 +135,13 @@ CellCounts::forPage(std::uint32_t page, std::uint64_t code, int depth, const Vis
 }
 
 template <typename Visit>
-void
-CellCounts::forCells(const Visit& visit) const
-{
+void CellCounts::forCells(const Visit& visit) const {
   for (std::size_t code = 0; code < table_.size(); ++code) {
     if (table_[code] != 0) forPage(table_[code], code, kTableDepth + kPageDepth, visit);
   }
 }
 
-std::vector<TilePlan::Cell>
-CellCounts::cells() const
-{
+std::vector<TilePlan::Cell> CellCounts::cells() const {
   std::vector<TilePlan::Cell> cells;
   forCells([&](std::uint64_t code, int depth, std::size_t slot) {
     TilePlan::Cell cell;
@@ -175,16 +153,12 @@ CellCounts::cells() const
   return cells;
 }
 
-void
-CellCounts::numberCells()
-{
+void CellCounts::numberCells() {
   std::uint32_t next = 0;
   forCells([&](std::uint64_t, int, std::size_t slot) { values_[slot] = next++; });
 }
 
-std::size_t
-CellCounts::memoryBytes() const
-{
+std::size_t CellCounts::memoryBytes() const {
   return sizeof(std::uint32_t) * (table_.capacity() + values_.capacity() + deeper_.capacity());
 }
 
@@ -201,16 +175,14 @@ constexpr std::uint64_t kSmall = 9;  ///< a tile of less than such a part is joi
 /** Cuts the cells of an octree's nodes into tiles. */
 class TileCutter {
  public:
-  TileCutter(TilePlan& plan, std::uint64_t most) : plan_(plan), most_(most)
-  {
+  TileCutter(TilePlan& plan, std::uint64_t most) : plan_(plan), most_(most) {
     sums_.assign(plan.cells.size() + 1, 0);
     for (std::size_t i = 0; i < plan.cells.size(); ++i)
       sums_[i + 1] = sums_[i] + plan.cells[i].points;
   }
 
   /** Cuts the cells [begin, end), all in one node of a depth. */
-  void cut(std::size_t begin, std::size_t end, int depth)
-  {
+  void cut(std::size_t begin, std::size_t end, int depth) {
     if (begin == end) return;
     if (sums_[end] - sums_[begin] <= most_ || end - begin == 1 || depth == kDeepestCell) {
       add(begin, end);
@@ -233,8 +205,7 @@ class TileCutter {
   }
 
   /** Joins tiles of few points with what follows or precedes them on the curve. */
-  void joinSmall(std::uint64_t least)
-  {
+  void joinSmall(std::uint64_t least) {
     std::vector<TilePlan::Tile> cut;
     cut.swap(plan_.tiles);
     for (const TilePlan::Tile& tile : cut) {
@@ -248,8 +219,7 @@ class TileCutter {
   }
 
  private:
-  std::size_t endOfChild(std::size_t begin, std::size_t end, int depth) const
-  {
+  std::size_t endOfChild(std::size_t begin, std::size_t end, int depth) const {
     const std::uint64_t code = cellOf(plan_.cells[begin].first_key, depth);
     const auto first = plan_.cells.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto last = plan_.cells.begin() + static_cast<std::ptrdiff_t>(end);
@@ -262,8 +232,7 @@ class TileCutter {
 
   void add(std::size_t begin, std::size_t end) { plan_.tiles.push_back(tileOf(begin, end)); }
 
-  TilePlan::Tile tileOf(std::size_t begin, std::size_t end) const
-  {
+  TilePlan::Tile tileOf(std::size_t begin, std::size_t end) const {
     TilePlan::Tile tile;
     tile.first_cell = begin;
     tile.end_cell = end;
@@ -282,9 +251,7 @@ class TileCutter {
 
 }  // namespace
 
-void
-TilePlan::makeTiles(std::uint64_t most_points)
-{
+void TilePlan::makeTiles(std::uint64_t most_points) {
   tiles.clear();
   points = 0;
   for (const Cell& cell : cells) points += cell.points;

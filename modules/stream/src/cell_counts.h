@@ -36,23 +36,22 @@ class PointKeys {
 constexpr int kDeepestCell = 21;
 
 /** \brief Code of the cell of a depth that contains a point. */
-inline std::uint64_t
-cellOf(std::uint64_t key, int depth)
-{
+inline std::uint64_t cellOf(std::uint64_t key, int depth) {
   return key >> (3 * (kDeepestCell - depth));
 }
 
 /** \brief Counts points in the cells of an octree that is deep where many points are.
  *
- * A table of depth 5 leads to pages of three levels, made when a point falls into them. One pass over
- * the cloud counts to depth 8; cells of too many points get pages of their own, which another pass
- * counts. Some 2 KB for each 32nd of the box's edge squared that a surface covers.
+ * A table of depth 5 leads to pages of three levels, made when a point falls into them. One pass
+ * over the cloud counts to depth 8; cells of too many points get pages of their own, which another
+ * pass counts. Some 2 KB for each 32nd of the box's edge squared that a surface covers.
  */
 class CellCounts {
  public:
   CellCounts();
 
-  /** \brief Counts a piece's points by their codes. \return an error where a cell has 2^32 points. */
+  /** \brief Counts a piece's points by their codes. \return an error where a cell has 2^32 points.
+   */
   Error add(const std::uint64_t* keys, std::size_t count);
 
   /** \brief Ends a pass. \return whether some cells of more than `most` points were divided, which
@@ -63,15 +62,14 @@ class CellCounts {
   std::vector<TilePlan::Cell> cells() const;
   /** \brief Depth of the cells that the pass under way counts. */
   int depth() const { return depth_; }
-  /** \brief Puts counts of cells of depth() in place of this pass's. \return an error where a cell has 2^32
-   * points. */
+  /** \brief Puts counts of cells of depth() in place of this pass's. \return an error where a cell
+   * has 2^32 points. */
   Error replace(const std::vector<TilePlan::Cell>& cells);
 
   /** \brief Numbers the cells of cells(), for numberOf(). Counts are lost. */
   void numberCells();
   /** \brief The place among cells() of the cell that contains a code. */
-  std::uint32_t numberOf(std::uint64_t key) const
-  {
+  std::uint32_t numberOf(std::uint64_t key) const {
     std::uint32_t page = table_[cellOf(key, kTableDepth)];
     int depth = kTableDepth + kPageDepth;
     for (;; depth += kPageDepth) {

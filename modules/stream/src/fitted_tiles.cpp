@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fits of tiles have made: summed, packed as bytes for other ranks, and kept in files for a later run.
+// What the fits of tiles have made: summed, packed as bytes for other ranks, and kept in files for
+// a later run.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -39,9 +40,7 @@ constexpr double FitSeconds::*kSeconds[] = {&FitSeconds::outliers, &FitSeconds::
 
 }  // namespace
 
-void
-StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface)
-{
+void StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface) {
   for (const auto count : kCounts) sum_.*count += tile.*count;
   for (const auto seconds : kSeconds) sum_.seconds.*seconds += tile.seconds.*seconds;
   sum_.least_pivot = std::min(sum_.least_pivot, tile.least_pivot);
@@ -69,9 +68,7 @@ StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface)
 namespace {
 
 /** A tile's counts as numbers, to be kept with its surfels. */
-std::vector<double>
-packedStatistics(const FitStatistics& tile)
-{
+std::vector<double> packedStatistics(const FitStatistics& tile) {
   std::vector<double> numbers{tile.least_pivot,
                               static_cast<double>(tile.first_level),
                               static_cast<double>(tile.last_level),
@@ -83,9 +80,7 @@ packedStatistics(const FitStatistics& tile)
 }
 
 /** The inverse, with leaves_per_level counted on the surfels. */
-FitStatistics
-unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surface)
-{
+FitStatistics unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surface) {
   FitStatistics tile;
   tile.least_pivot = numbers[0];
   tile.first_level = static_cast<int>(numbers[1]);
@@ -104,9 +99,7 @@ unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surfac
 }
 
 /** A tile's surfels and statistics as bytes, without its times. */
-Ranks::Bytes
-packedTile(const FittedTile& made)
-{
+Ranks::Bytes packedTile(const FittedTile& made) {
   Ranks::Bytes bytes;
   for (const double number : packedStatistics(made.statistics)) appendBytes(number, bytes);
   appendBytes(static_cast<double>(made.halo_points), bytes);
@@ -117,9 +110,7 @@ packedTile(const FittedTile& made)
 
 }  // namespace
 
-Error
-unpackTile(const Ranks::Bytes& bytes, FittedTile& made)
-{
+Error unpackTile(const Ranks::Bytes& bytes, FittedTile& made) {
   const std::size_t head = (packedStatistics({}).size() + 1) * sizeof(double);
   if (bytes.size() < head) return badInput("a fitted tile is not whole: fit it again");
   const auto middle = bytes.begin() + static_cast<std::ptrdiff_t>(head);
@@ -132,9 +123,7 @@ unpackTile(const Ranks::Bytes& bytes, FittedTile& made)
   return {};
 }
 
-Error
-FittedTiles::add(std::size_t tile, const FittedTile& made, const std::string& folder)
-{
+Error FittedTiles::add(std::size_t tile, const FittedTile& made, const std::string& folder) {
   if (places_.empty()) {
     if (Error error = file_.create(folder, 0)) return error;
   }
@@ -144,16 +133,14 @@ FittedTiles::add(std::size_t tile, const FittedTile& made, const std::string& fo
   return file_.write(places_[tile].at, bytes.data(), bytes.size());
 }
 
-Error
-FittedTiles::read(std::size_t tile, Ranks::Bytes& bytes) const
-{
+Error FittedTiles::read(std::size_t tile, Ranks::Bytes& bytes) const {
   const Place& place = places_.at(tile);
   bytes.resize(place.bytes);
   return file_.read(place.at, bytes.data(), bytes.size());
 }
 
-// Files of one machine, or of alike ones: numbers are stored as in memory, behind a magic word, an identity and
-// a checksum.
+// Files of one machine, or of alike ones: numbers are stored as in memory, behind a magic word, an
+// identity and a checksum.
 
 namespace {
 
@@ -161,9 +148,7 @@ constexpr char kMagic[] = "pcl_slim tiles 4\n";
 
 using Bytes = std::vector<unsigned char>;
 
-std::uint64_t
-checksum(const Bytes& bytes, std::size_t size)
-{
+std::uint64_t checksum(const Bytes& bytes, std::size_t size) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
   return hash;
@@ -173,15 +158,13 @@ checksum(const Bytes& bytes, std::size_t size)
 class Writer {
  public:
   template <typename T>
-  void operator()(const T& value)
-  {
+  void operator()(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     const auto* from = reinterpret_cast<const unsigned char*>(&value);
     bytes.insert(bytes.end(), from, from + sizeof(T));
   }
   template <typename T>
-  void operator()(const std::vector<T>& values)
-  {
+  void operator()(const std::vector<T>& values) {
     (*this)(std::uint64_t{values.size()});
     for (const T& value : values) (*this)(value);
   }
@@ -193,8 +176,7 @@ class Reader {
   Reader(const Bytes& bytes, std::size_t at, std::size_t end) : bytes_(bytes), at_(at), end_(end) {}
 
   template <typename T>
-  void operator()(T& value)
-  {
+  void operator()(T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     good = good && end_ - at_ >= sizeof(T);
     if (!good) return;
@@ -202,8 +184,7 @@ class Reader {
     at_ += sizeof(T);
   }
   template <typename T>
-  void operator()(std::vector<T>& values)
-  {
+  void operator()(std::vector<T>& values) {
     std::uint64_t count = 0;
     (*this)(count);
     good = good && count <= (end_ - at_) / sizeof(T);
@@ -219,9 +200,7 @@ class Reader {
 };
 
 template <typename Plan, typename Visit>
-void
-visitPlan(Plan& p, Visit& visit)
-{
+void visitPlan(Plan& p, Visit& visit) {
   visit(p.frame.origin);
   visit(p.frame.scale);
   visit(p.frame.diagonal);
@@ -254,9 +233,7 @@ visitPlan(Plan& p, Visit& visit)
 }
 
 /** Puts the magic word and the identity before what is kept, and a checksum behind it. */
-Error
-saveKept(const std::string& path, const std::string& identity, const Bytes& payload)
-{
+Error saveKept(const std::string& path, const std::string& identity, const Bytes& payload) {
   Writer out;
   out.bytes.assign(kMagic, kMagic + sizeof(kMagic) - 1);
   out(std::vector<char>(identity.begin(), identity.end()));
@@ -266,9 +243,7 @@ saveKept(const std::string& path, const std::string& identity, const Bytes& payl
 }
 
 /** \\return where what is kept begins, 0 for a file that is not whole or of another identity. */
-std::size_t
-openKept(const std::string& path, const std::string& identity, Bytes& bytes)
-{
+std::size_t openKept(const std::string& path, const std::string& identity, Bytes& bytes) {
   Result<Bytes> read = readFile(path);
   constexpr std::size_t kHead = sizeof(kMagic) - 1;
   if (!read || read->size() < kHead + 2 * sizeof(std::uint64_t)) return 0;
@@ -284,31 +259,23 @@ openKept(const std::string& path, const std::string& identity, Bytes& bytes)
   return kHead + sizeof(std::uint64_t) + own.size();
 }
 
-std::string
-planPath(const std::string& folder)
-{
+std::string planPath(const std::string& folder) {
   return folder + "/plan";
 }
 
-std::string
-tilePath(const std::string& folder, std::size_t tile)
-{
+std::string tilePath(const std::string& folder, std::size_t tile) {
   return folder + "/tile-" + std::to_string(tile);
 }
 
 }  // namespace
 
-Error
-savePlan(const std::string& folder, const std::string& identity, const KeptPlan& plan)
-{
+Error savePlan(const std::string& folder, const std::string& identity, const KeptPlan& plan) {
   Writer out;
   visitPlan(plan, out);
   return saveKept(planPath(folder), identity, out.bytes);
 }
 
-bool
-loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan)
-{
+bool loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan) {
   Bytes bytes;
   const std::size_t begin = openKept(planPath(folder), identity, bytes);
   if (begin == 0) return false;
@@ -317,16 +284,13 @@ loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan)
   return in.good;
 }
 
-Error
-saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         const FittedTile& made)
-{
+Error saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
+               const FittedTile& made) {
   return saveKept(tilePath(folder, tile), identity, packedTile(made));
 }
 
-bool
-loadTile(const std::string& folder, const std::string& identity, std::size_t tile, FittedTile& made)
-{
+bool loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
+              FittedTile& made) {
   Bytes bytes;
   const std::size_t begin = openKept(tilePath(folder, tile), identity, bytes);
   if (begin == 0) return false;

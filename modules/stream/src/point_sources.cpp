@@ -21,9 +21,7 @@ constexpr std::size_t kPiece = 1 << 18;  ///< points of a piece
 
 }  // namespace
 
-Error
-CloudSource::pass(const Visit& visit)
-{
+Error CloudSource::pass(const Visit& visit) {
   const auto at = [](const void* base, std::size_t bytes) -> const void* {
     return base ? static_cast<const char*>(base) + bytes : nullptr;
   };
@@ -56,7 +54,8 @@ class FileReader {
   Error open(const std::string& path);
   /** \brief Reads bytes from a place on, fewer at the file's end. \param[out] got how many. */
   Error read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const;
-  /** \brief Reads exactly `bytes` bytes; a file that ends before is an error that names the byte. */
+  /** \brief Reads exactly `bytes` bytes; a file that ends before is an error that names the byte.
+   */
   Error readAll(std::uint64_t at, void* to, std::size_t bytes) const;
 
  private:
@@ -64,23 +63,18 @@ class FileReader {
   int file_ = -1;
 };
 
-FileReader::~FileReader()
-{
+FileReader::~FileReader() {
   if (file_ >= 0) close(file_);
 }
 
-Error
-FileReader::open(const std::string& path)
-{
+Error FileReader::open(const std::string& path) {
   path_ = path;
   file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file_ >= 0) return {};
   return {ErrorCode::kIo, "cannot read '" + path + "': " + std::strerror(errno)};
 }
 
-Error
-FileReader::read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const
-{
+Error FileReader::read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const {
   got = 0;
   while (got < bytes) {
     const ssize_t now =
@@ -96,9 +90,7 @@ FileReader::read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got
   return {};
 }
 
-Error
-FileReader::readAll(std::uint64_t at, void* to, std::size_t bytes) const
-{
+Error FileReader::readAll(std::uint64_t at, void* to, std::size_t bytes) const {
   std::size_t got = 0;
   if (Error error = read(at, to, bytes, got)) return error;
   if (got == bytes) return {};
@@ -109,9 +101,7 @@ FileReader::readAll(std::uint64_t at, void* to, std::size_t bytes) const
 constexpr std::size_t kBuffer = 1 << 20;
 constexpr std::size_t kRows = 1 << 16;  ///< rows of a piece
 
-bool
-isSpace(char c)
-{
+bool isSpace(char c) {
   return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == '\v' || c == '\f';
 }
 
@@ -119,13 +109,10 @@ isSpace(char c)
 class WordReader {
  public:
   WordReader(const FileReader& file, std::uint64_t begin)
-      : file_(file), next_(begin), buffer_(kBuffer)
-  {
-  }
+      : file_(file), next_(begin), buffer_(kBuffer) {}
 
   /** \brief The next word, valid until the next call; empty at the end of the file. */
-  Error next(const char*& begin, const char*& end)
-  {
+  Error next(const char*& begin, const char*& end) {
     for (;;) {
       while (at_ < filled_ && isSpace(buffer_[at_])) ++at_;
       std::size_t stop = at_;
@@ -141,8 +128,7 @@ class WordReader {
   }
 
  private:
-  Error refill()
-  {
+  Error refill() {
     const std::size_t kept = filled_ - at_;
     if (kept == buffer_.size()) buffer_.resize(2 * buffer_.size());
     std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(at_),
@@ -164,9 +150,7 @@ class WordReader {
   bool ended_ = false;
 };
 
-bool
-parse(const char* begin, const char* end, ScalarType type, double& value)
-{
+bool parse(const char* begin, const char* end, ScalarType type, double& value) {
   if (begin != end && *begin == '+') ++begin;
   if (type == kFloat32) {
     float rounded = 0;
@@ -184,9 +168,7 @@ struct Column {
   ScalarType type = kFloat64;
 };
 
-std::vector<Column>
-columnsOf(const RecordLayout& layout)
-{
+std::vector<Column> columnsOf(const RecordLayout& layout) {
   std::vector<Column> columns(layout.step);
   for (int a = 0; a < 3; ++a) {
     const auto& p = layout.position[static_cast<std::size_t>(a)];
@@ -199,10 +181,8 @@ columnsOf(const RecordLayout& layout)
 }
 
 /** Reads one row. \param[out] values coordinates and normal */
-Error
-readRow(const RecordLayout& layout, const std::vector<Column>& columns, std::uint64_t row,
-        WordReader& words, double (&values)[6])
-{
+Error readRow(const RecordLayout& layout, const std::vector<Column>& columns, std::uint64_t row,
+              WordReader& words, double (&values)[6]) {
   for (const Column& column : columns) {
     const char *begin = nullptr, *end = nullptr;
     if (Error error = words.next(begin, end)) return error;
@@ -217,12 +197,11 @@ readRow(const RecordLayout& layout, const std::vector<Column>& columns, std::uin
   return {};
 }
 
-/** \brief A pass over points that are rows of words, [first, end). Coordinates that are float are rounded as such.
+/** \brief A pass over points that are rows of words, [first, end). Coordinates that are float are
+ * rounded as such.
  * \return an error that names the row where the text ends or a word is no number. */
-Error
-passText(const RecordLayout& layout, std::uint64_t first, std::uint64_t end, const FileReader& file,
-         const PointSource::Visit& visit)
-{
+Error passText(const RecordLayout& layout, std::uint64_t first, std::uint64_t end,
+               const FileReader& file, const PointSource::Visit& visit) {
   const std::vector<Column> columns = columnsOf(layout), passed_over(layout.step);
   WordReader words(file, layout.begin);
   std::vector<double> xyz;
@@ -258,9 +237,7 @@ passText(const RecordLayout& layout, std::uint64_t first, std::uint64_t end, con
 constexpr std::size_t kPieceBytes = 3 << 20;
 
 /** Whether three numbers of a type are contiguous, as a CloudView needs them. */
-bool
-inPlace(const std::array<RecordLayout::Field, 3>& fields, ScalarType type)
-{
+bool inPlace(const std::array<RecordLayout::Field, 3>& fields, ScalarType type) {
   const std::size_t bytes = scalarSize(type);
   return fields[0].type == type && fields[1].type == type && fields[2].type == type &&
          fields[1].offset == fields[0].offset + bytes &&
@@ -270,16 +247,14 @@ inPlace(const std::array<RecordLayout::Field, 3>& fields, ScalarType type)
 /** Brings a piece's records into the form of a CloudView; records that have it already stay. */
 class RecordConverter {
  public:
-  explicit RecordConverter(const RecordLayout& layout) : layout_(layout)
-  {
+  explicit RecordConverter(const RecordLayout& layout) : layout_(layout) {
     const bool native = !layout.big_endian;
     floats_ = native && inPlace(layout.position, kFloat32);
     doubles_ = native && inPlace(layout.position, kFloat64);
     normals_ = native && layout.normal && inPlace(*layout.normal, kFloat32);
   }
 
-  CloudView view(const unsigned char* records, std::size_t count)
-  {
+  CloudView view(const unsigned char* records, std::size_t count) {
     CloudView view;
     view.size = count;
     view.sensor = layout_.sensor;
@@ -307,8 +282,7 @@ class RecordConverter {
  private:
   template <typename T>
   void convert(const unsigned char* records, std::size_t count,
-               const std::array<RecordLayout::Field, 3>& fields, std::vector<T>& out) const
-  {
+               const std::array<RecordLayout::Field, 3>& fields, std::vector<T>& out) const {
     out.resize(3 * count);
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t a = 0; a < 3; ++a) {
@@ -330,16 +304,13 @@ class RecordConverter {
 }  // namespace
 
 RecordSource::RecordSource(RecordLayout layout, std::uint64_t share, std::uint64_t shares)
-    : layout_(std::move(layout))
-{
+    : layout_(std::move(layout)) {
   const std::uint64_t whole = layout_.count / shares, rest = layout_.count % shares;
   first_ = share * whole + std::min(share, rest);
   end_ = first_ + whole + (share < rest ? 1 : 0);
 }
 
-CloudView::Scalar
-RecordSource::scalar() const
-{
+CloudView::Scalar RecordSource::scalar() const {
   const auto small = [](const RecordLayout::Field& field) {
     return scalarSize(field.type) <= 2 || field.type == kFloat32;
   };
@@ -348,9 +319,7 @@ RecordSource::scalar() const
   return floats ? CloudView::Scalar::kFloat : CloudView::Scalar::kDouble;
 }
 
-Error
-RecordSource::pass(const Visit& visit)
-{
+Error RecordSource::pass(const Visit& visit) {
   FileReader file;
   if (Error error = file.open(layout_.path)) return error;
   if (layout_.text) return passText(layout_, first_, end_, file, visit);

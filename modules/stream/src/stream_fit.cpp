@@ -24,15 +24,13 @@ namespace {
 // A point takes the most while it is sorted; then balls take as much again where they are wide.
 constexpr std::uint64_t kBytesOfSorting = 40;  ///< keys, their order and the store's columns
 constexpr std::uint64_t kBytesOfFit = 38;      ///< the store and marks of what is covered
-/// A ball's columns and those of its inner part, and a tenth: balls are counted at 31 places of a tile, and
-/// others are fuller.
+/// A ball's columns and those of its inner part, and a tenth: balls are counted at 31 places of a
+/// tile, and others are fuller.
 constexpr std::uint64_t kBytesInBall = 40;
 constexpr std::uint64_t kBytesOfNormal = 12;
 
 /** The identity of a cloud and parameters: kept plans and tiles must agree in it. */
-std::string
-identityOf(const PointSource& source, const StreamParams& params)
-{
+std::string identityOf(const PointSource& source, const StreamParams& params) {
   const FitParams& f = params.fit;
   const int local = f.local_noise ? 1 + *f.local_noise : 0;
   const auto* penalty = std::get_if<PenaltyWeight>(&f.size);
@@ -61,9 +59,7 @@ class PartialProgress {
           if (whole == nullptr) return;
           whole->report(begin + fraction * (end - begin), stage);
           if (whole->cancelled()) part_.cancel();
-        })
-  {
-  }
+        }) {}
 
   Progress& part() { return part_; }
 
@@ -76,9 +72,7 @@ class TileQueue {
  public:
   TileQueue(StreamState& state, const std::vector<std::size_t>& tiles, const StreamFit::Sink& sink,
             Progress* progress)
-      : state_(state), tiles_(tiles), sink_(sink), progress_(progress)
-  {
-  }
+      : state_(state), tiles_(tiles), sink_(sink), progress_(progress) {}
 
   /** \brief Fits all. \param[in] at_once how many at the same time */
   Error fit(int at_once);
@@ -101,9 +95,7 @@ class TileQueue {
   Error error_;
 };
 
-Error
-TileQueue::fit(int at_once)
-{
+Error TileQueue::fit(int at_once) {
   parallelFor(static_cast<std::size_t>(at_once), at_once, 1, [&](std::size_t, int) {
     try {
       work();
@@ -117,9 +109,7 @@ TileQueue::fit(int at_once)
 }
 
 /** One thread's share: fits what is next until nothing is left or some tile has failed. */
-void
-TileQueue::work()
-{
+void TileQueue::work() {
   for (std::size_t place; take(place);) {
     Error error = fitOne(place);
     if (!error) continue;
@@ -129,9 +119,7 @@ TileQueue::work()
   }
 }
 
-bool
-TileQueue::take(std::size_t& place)
-{
+bool TileQueue::take(std::size_t& place) {
   const std::lock_guard<std::mutex> lock(mutex_);
   place = next_;
   if (next_ == tiles_.size() || stopped()) return false;
@@ -139,9 +127,7 @@ TileQueue::take(std::size_t& place)
   return true;
 }
 
-Error
-TileQueue::fitOne(std::size_t place)
-{
+Error TileQueue::fitOne(std::size_t place) {
   Progress watched([&](float, const char*) {
     if (stopped()) watched.cancel();
   });
@@ -153,9 +139,7 @@ TileQueue::fitOne(std::size_t place)
 }
 
 /** Gives away the tiles whose turn it is. */
-Error
-TileQueue::giveAway()
-{
+Error TileQueue::giveAway() {
   for (auto first = ready_.begin(); first != ready_.end() && first->first == given_ && !error_;
        first = ready_.erase(first), ++given_) {
     if (Error error = state_.give(tiles_[given_], first->second, sink_)) return error;
@@ -168,9 +152,7 @@ TileQueue::giveAway()
 
 }  // namespace
 
-Error
-StreamParams::validate() const
-{
+Error StreamParams::validate() const {
   if (tile_points < kLeastTile) {
     return {ErrorCode::kBadArgument, "tiles of " + std::to_string(tile_points) +
                                          " points are too small: give " +
@@ -188,15 +170,12 @@ StreamParams::validate() const
   return checkTileParams(fit);
 }
 
-StreamFit::StreamFit(StreamParams params) : state_(std::make_unique<StreamState>(std::move(params)))
-{
-}
+StreamFit::StreamFit(StreamParams params)
+    : state_(std::make_unique<StreamState>(std::move(params))) {}
 StreamFit::~StreamFit() = default;
 
 /** Takes the plan and the points of an earlier run. \return whether there are any of this cloud. */
-bool
-detail::StreamState::takeKept(PointSource& source)
-{
+bool detail::StreamState::takeKept(PointSource& source) {
   KeptPlan kept;
   if (!keeps() || !loadPlan(params.state, identity, kept)) return false;
   kept.plan.makeTiles(params.tile_points);
@@ -223,9 +202,7 @@ detail::StreamState::takeKept(PointSource& source)
   return true;
 }
 
-Error
-detail::StreamState::keep() const
-{
+Error detail::StreamState::keep() const {
   KeptPlan kept;
   kept.frame = frame;
   kept.record = store.record();
@@ -243,9 +220,7 @@ detail::StreamState::keep() const
   return savePlan(params.state, identity, kept);
 }
 
-Error
-StreamFit::prepare(PointSource& source, Progress* progress)
-{
+Error StreamFit::prepare(PointSource& source, Progress* progress) {
   StreamState& s = *state_;
   if (Error error = s.params.validate()) return error;
   if (source.size() == 0 && s.isAlone()) return badInput("the cloud holds no points: give some");
@@ -278,51 +253,35 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   return s.keeps() ? s.keep() : Error();
 }
 
-const StoreFrame&
-StreamFit::frame() const
-{
+const StoreFrame& StreamFit::frame() const {
   return state_->frame;
 }
 
-const TilePlan&
-StreamFit::plan() const
-{
+const TilePlan& StreamFit::plan() const {
   return state_->plan;
 }
 
-const CloudTraits&
-StreamFit::traits() const
-{
+const CloudTraits& StreamFit::traits() const {
   return state_->traits;
 }
 
-std::pair<std::size_t, std::size_t>
-StreamFit::ownTiles() const
-{
+std::pair<std::size_t, std::size_t> StreamFit::ownTiles() const {
   return {state_->firstTile(), state_->endTile()};
 }
 
-int
-StreamFit::firstLevel(std::size_t tile) const
-{
+int StreamFit::firstLevel(std::size_t tile) const {
   return state_->first_levels[tile];
 }
 
-const SLIMSurface&
-StreamFit::coarse() const
-{
+const SLIMSurface& StreamFit::coarse() const {
   return state_->coarse;
 }
 
-std::uint64_t
-StreamFit::loadedPoints(std::size_t tile) const
-{
+std::uint64_t StreamFit::loadedPoints(std::size_t tile) const {
   return state_->plan.tiles[tile].points + state_->halos[tile];
 }
 
-std::uint64_t
-StreamFit::workingBytes(int threads) const
-{
+std::uint64_t StreamFit::workingBytes(int threads) const {
   const PointRecord& record = state_->store.record();
   const std::uint64_t normal = record.normals ? kBytesOfNormal : 0;
   const std::uint64_t in_balls = (kBytesInBall + 2 * normal) * static_cast<std::uint64_t>(threads);
@@ -335,10 +294,8 @@ StreamFit::workingBytes(int threads) const
   return most;
 }
 
-Error
-detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& made,
-                             Progress& progress) const
-{
+Error detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& made,
+                                   Progress& progress) const {
   const Stopwatch watch;
   std::vector<unsigned char> records;
   if (Error error = load(tile, with_threads, records)) return error;
@@ -362,18 +319,14 @@ detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& mad
 }
 
 /** Fits a tile, unless an earlier run has kept it. */
-Error
-detail::StreamState::fitTile(std::size_t tile, int with_threads, FittedTile& made,
-                             Progress& progress) const
-{
+Error detail::StreamState::fitTile(std::size_t tile, int with_threads, FittedTile& made,
+                                   Progress& progress) const {
   if (keeps() && loadTile(params.state, identity, tile, made)) return {};
   if (Error error = fitAnew(tile, with_threads, made, progress)) return error;
   return keeps() ? saveTile(params.state, identity, tile, made) : Error();
 }
 
-void
-detail::StreamState::addTile(std::size_t tile, const FittedTile& made)
-{
+void detail::StreamState::addTile(std::size_t tile, const FittedTile& made) {
   sum.add(made.statistics, made.surface);
   stats.points.duplicates +=
       plan.tiles[tile].points - made.statistics.points - made.statistics.outliers;
@@ -382,9 +335,7 @@ detail::StreamState::addTile(std::size_t tile, const FittedTile& made)
   stats.kept_tiles += made.kept ? 1 : 0;
 }
 
-Error
-detail::StreamState::fitNext(std::size_t tile, FittedTile& made, Progress* progress) const
-{
+Error detail::StreamState::fitNext(std::size_t tile, FittedTile& made, Progress* progress) const {
   const auto share = [&](std::size_t t) {
     return 0.12f + 0.88f * static_cast<float>(t) / static_cast<float>(plan.tiles.size());
   };
@@ -396,17 +347,14 @@ detail::StreamState::fitNext(std::size_t tile, FittedTile& made, Progress* progr
 }
 
 /** Gives a tile away, or puts it where rank 0 will take it from. */
-Error
-detail::StreamState::give(std::size_t tile, const FittedTile& made, const StreamFit::Sink& sink)
-{
+Error detail::StreamState::give(std::size_t tile, const FittedTile& made,
+                                const StreamFit::Sink& sink) {
   if (ranks().rank() != 0) return fitted.add(tile, made, params.scratch);
   addTile(tile, made);
   return sink(tile, made.surface);
 }
 
-Error
-StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
-{
+Error StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress) {
   FittedTile made;
   if (Error error = state_->fitNext(tile, made, progress)) return error;
   state_->addTile(tile, made);
@@ -414,10 +362,8 @@ StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
   return {};
 }
 
-Error
-StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
-               Progress* progress)
-{
+Error StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
+                     Progress* progress) {
   StreamState& s = *state_;
   std::vector<std::size_t> own;
   std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(own),
@@ -433,9 +379,7 @@ StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& s
   return s.gatherTiles(tiles, sink);
 }
 
-const StreamStatistics&
-StreamFit::statistics() const
-{
+const StreamStatistics& StreamFit::statistics() const {
   StreamState& s = *state_;
   s.stats.fit = s.sum.sum();
   s.stats.coarse_surfels = s.coarse.size();
@@ -445,10 +389,8 @@ StreamFit::statistics() const
   return s.stats;
 }
 
-Error
-fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
-         StreamStatistics* statistics, Progress* progress)
-{
+Error fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
+               StreamStatistics* statistics, Progress* progress) {
   surface.clear();
   StreamFit fit(params);
   if (Error error = fit.prepare(source, progress)) return error;

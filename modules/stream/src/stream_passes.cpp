@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a fit by tiles finds before the first tile is fitted: frame, cells, sorted points, noise, levels.
+// What a fit by tiles finds before the first tile is fitted: frame, cells, sorted points, noise,
+// levels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,9 +36,7 @@ struct Sample {
   std::uint64_t thinning = 1;
 };
 
-Sample
-takeSample(const CloudView& core, const StoreFrame& frame)
-{
+Sample takeSample(const CloudView& core, const StoreFrame& frame) {
   Sample sample;
   sample.thinning = std::max<std::uint64_t>(1, core.count() / kCounted);
   const CloudReader reader(core);
@@ -59,9 +58,8 @@ takeSample(const CloudView& core, const StoreFrame& frame)
 }
 
 /** How many points a ball has at each level. */
-std::vector<std::uint32_t>
-countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
-{
+std::vector<std::uint32_t> countLevels(const Sample& sample, const Place& center,
+                                       const LevelRadii& radii) {
   std::vector<float> limits;
   for (int level = 1; level <= radii.last; ++level) {
     const double r = radii.radius(level);
@@ -80,15 +78,14 @@ countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
   return counts;
 }
 
-/** \brief The coarsest level of which a tile's median ball has at most a given number of the tile's points, but
- * no finer one than balls of 32 sqrt(lambda), which average noise well.
+/** \brief The coarsest level of which a tile's median ball has at most a given number of the tile's
+ * points, but no finer one than balls of 32 sqrt(lambda), which average noise well.
  *
  * Counts 31 balls on some 65,000 of the points, chosen by their places: the points' order changes
- * nothing. \param[out] gathered by level, the most points that one of these balls reaches. O(points). */
-int
-firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
-           std::uint64_t most_points, double lambda, std::vector<std::uint64_t>& gathered)
-{
+ * nothing. \param[out] gathered by level, the most points that one of these balls reaches.
+ * O(points). */
+int firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
+               std::uint64_t most_points, double lambda, std::vector<std::uint64_t>& gathered) {
   const Sample sample = takeSample(core, frame);
   gathered.assign(static_cast<std::size_t>(radii.last) + 1, 0);
   std::vector<std::uint32_t> crowded(static_cast<std::size_t>(radii.last) + 1, 0);
@@ -107,11 +104,9 @@ firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& rad
   return level;
 }
 
-/** \brief Whether balls of a level are wide enough to begin with where memory requires narrow ones: those
- * of less than 16 sqrt(lambda) do not average noise. */
-bool
-isFirstLevel(const LevelRadii& radii, int level, double lambda)
-{
+/** \brief Whether balls of a level are wide enough to begin with where memory requires narrow ones:
+ * those of less than 16 sqrt(lambda) do not average noise. */
+bool isFirstLevel(const LevelRadii& radii, int level, double lambda) {
   return level <= radii.last && radii.radius(level) >= kNoiseOfBall * std::sqrt(lambda);
 }
 
@@ -125,10 +120,9 @@ struct Window {
   std::size_t first, end;
 };
 
-/** Windows of points_of_window points each about evenly spread places; neighbours that meet do not overlap. */
-std::vector<Window>
-windowsOf(const TilePlan& plan, std::uint64_t points_of_window)
-{
+/** Windows of points_of_window points each about evenly spread places; neighbours that meet do not
+ * overlap. */
+std::vector<Window> windowsOf(const TilePlan& plan, std::uint64_t points_of_window) {
   std::vector<Window> windows;
   std::size_t cell = 0;
   std::uint64_t before = 0;  // points of the cells before it
@@ -149,10 +143,8 @@ windowsOf(const TilePlan& plan, std::uint64_t points_of_window)
 }
 
 /** Keeps the points of least Morton codes, ties by place, where a window has too many. */
-void
-cutWindow(const StoreFrame& frame, const PointRecord& record, int threads,
-          std::vector<unsigned char>& records)
-{
+void cutWindow(const StoreFrame& frame, const PointRecord& record, int threads,
+               std::vector<unsigned char>& records) {
   const std::size_t step = record.bytes(), count = records.size() / step;
   if (static_cast<double>(count) <= kSlack * static_cast<double>(kWindowPoints)) return;
   const CloudView view = record.view(records);
@@ -173,10 +165,9 @@ cutWindow(const StoreFrame& frame, const PointRecord& record, int threads,
 }
 
 /** The windows' points at rank 0, none at the others. */
-Error
-takeSample(const TileLoader& loader, const StoreFrame& frame, const std::vector<Window>& windows,
-           std::uint64_t thinning, int threads, Ranks& ranks, std::vector<unsigned char>& all)
-{
+Error takeSample(const TileLoader& loader, const StoreFrame& frame,
+                 const std::vector<Window>& windows, std::uint64_t thinning, int threads,
+                 Ranks& ranks, std::vector<unsigned char>& all) {
   std::vector<unsigned char> records;
   for (const Window& window : windows) {
     records.clear();
@@ -188,10 +179,9 @@ takeSample(const TileLoader& loader, const StoreFrame& frame, const std::vector<
   return {};
 }
 
-Result<MeasuredTraits>
-measureSample(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
-              const TraitsSample& how, const std::vector<unsigned char>& sample)
-{
+Result<MeasuredTraits> measureSample(const TileLoader& loader, const StoreFrame& frame,
+                                     const FitParams& params, const TraitsSample& how,
+                                     const std::vector<unsigned char>& sample) {
   Result<PointStore> store = PointStore::build(loader.record().view(sample), frame, params.threads);
   if (!store) return store.error();
   return measureTraits(*store, params, how);
@@ -205,17 +195,16 @@ struct Verdict {
 
 /** \brief Measures the traits of a cloud on disk.
  *
- * The sample is 32 windows of 32,768 points, each of whole cells that follow each other along the Morton
- * curve: at full density, so that patches of neighbours are the cloud's own. Where noise fills the
- * widest patch that a window has room for, windows of 4, 16, ... times as many points take their
- * place, of which every 4th, 16th, ... is kept; in the end they are the whole cloud. Clouds of about
- * as few points as the windows have are taken whole. A function of the points' set alone. Rank 0 has the
- * statistics, all have the traits.
+ * The sample is 32 windows of 32,768 points, each of whole cells that follow each other along the
+ * Morton curve: at full density, so that patches of neighbours are the cloud's own. Where noise
+ * fills the widest patch that a window has room for, windows of 4, 16, ... times as many points
+ * take their place, of which every 4th, 16th, ... is kept; in the end they are the whole cloud.
+ * Clouds of about as few points as the windows have are taken whole. A function of the points' set
+ * alone. Rank 0 has the statistics, all have the traits.
  */
-Result<MeasuredTraits>
-measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
-                     Ranks& ranks, std::uint64_t& thinning)
-{
+Result<MeasuredTraits> measureSampledTraits(const TileLoader& loader, const StoreFrame& frame,
+                                            const FitParams& params, Ranks& ranks,
+                                            std::uint64_t& thinning) {
   const TilePlan& plan = loader.plan();
   const std::uint64_t sample = kWindows * kWindowPoints;
   double spacing = 0;  // of the cloud as it is
@@ -251,10 +240,8 @@ constexpr double kMostLoaded = 1.7;  ///< [tile points] of a tile with its halo
 }  // namespace
 
 /** A pass over the source that reports its progress between begin and end. */
-Error
-detail::StreamState::pass(PointSource& source, Progress* progress, float begin, float end,
-                          const char* stage, const PointSource::Visit& visit)
-{
+Error detail::StreamState::pass(PointSource& source, Progress* progress, float begin, float end,
+                                const char* stage, const PointSource::Visit& visit) {
   ++stats.passes;
   const double points = std::max(1.0, static_cast<double>(source.size()));
   double done = 0;
@@ -268,9 +255,7 @@ detail::StreamState::pass(PointSource& source, Progress* progress, float begin, 
   });
 }
 
-Error
-detail::StreamState::measureFrame(PointSource& source, Progress* progress)
-{
+Error detail::StreamState::measureFrame(PointSource& source, Progress* progress) {
   FrameMeasure measure;
   do {
     const auto add = [&](const CloudView& piece) {
@@ -291,9 +276,7 @@ detail::StreamState::measureFrame(PointSource& source, Progress* progress)
   return {ErrorCode::kNoSurface, "all points are at one place: give points of a surface"};
 }
 
-Error
-detail::StreamState::countCells(PointSource& source, Progress* progress)
-{
+Error detail::StreamState::countCells(PointSource& source, Progress* progress) {
   PointKeys keys(frame, threads);
   do {
     const auto count = [&](const CloudView& piece) {
@@ -310,9 +293,7 @@ detail::StreamState::countCells(PointSource& source, Progress* progress)
   return {};
 }
 
-Error
-detail::StreamState::sortPoints(PointSource& source, Progress* progress)
-{
+Error detail::StreamState::sortPoints(PointSource& source, Progress* progress) {
   const PointRecord record{source.scalar(), frame.with_normals};
   std::vector<std::uint32_t> points = pointsOfCells(plan);
   for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
@@ -331,9 +312,7 @@ detail::StreamState::sortPoints(PointSource& source, Progress* progress)
   return error ? error : store.finish();
 }
 
-Error
-detail::StreamState::measureNoise()
-{
+Error detail::StreamState::measureNoise() {
   Result<MeasuredTraits> measured =
       measureSampledTraits(loader(threads), frame, params.fit, ranks(), stats.noise_thinning);
   if (!measured) return measured.error();
@@ -345,11 +324,10 @@ detail::StreamState::measureNoise()
   return {};
 }
 
-/** Finds a tile's first level, and how much its halo has. \param[out] wanted the cells of its halo */
-Error
-detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sample,
-                                std::vector<char>& wanted)
-{
+/** Finds a tile's first level, and how much its halo has. \param[out] wanted the cells of its halo
+ */
+Error detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sample,
+                                      std::vector<char>& wanted) {
   const TileLoader tiles = loader(threads);
   std::vector<unsigned char> records;
   if (Error error = tiles.loadCore(tile, records)) return error;
@@ -384,9 +362,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
 }
 
 /** Looks at each tile before the first is fitted. */
-Error
-detail::StreamState::survey(Progress* progress)
-{
+Error detail::StreamState::survey(Progress* progress) {
   radii = levelRadii(frame, params.fit);
   std::vector<unsigned char> sample;
   std::vector<char> wanted(plan.cells.size(), 0);
@@ -406,10 +382,8 @@ detail::StreamState::survey(Progress* progress)
 }
 
 /** The records of a tile's core and halo. */
-Error
-detail::StreamState::load(std::size_t tile, int with_threads,
-                          std::vector<unsigned char>& records) const
-{
+Error detail::StreamState::load(std::size_t tile, int with_threads,
+                                std::vector<unsigned char>& records) const {
   const TileLoader tiles = loader(with_threads);
   records.reserve((plan.tiles[tile].points + halos[tile]) * tiles.record().bytes());
   if (Error error = tiles.loadCore(tile, records)) return error;
@@ -428,19 +402,15 @@ constexpr std::uint64_t kPointsPerTile =
 }  // namespace
 
 /** Points that one of the sample represents. */
-std::uint64_t
-detail::StreamState::coarseThinning() const
-{
+std::uint64_t detail::StreamState::coarseThinning() const {
   const std::uint64_t wanted =
       std::max(kLeastSample, std::min(params.tile_points, kPointsPerTile * plan.tiles.size()));
   return std::max<std::uint64_t>(1, plan.points / wanted);
 }
 
 /** Adds a share of a tile's points, chosen by their places. */
-void
-detail::StreamState::addSample(const std::vector<unsigned char>& core,
-                               std::vector<unsigned char>& sample) const
-{
+void detail::StreamState::addSample(const std::vector<unsigned char>& core,
+                                    std::vector<unsigned char>& sample) const {
   const std::size_t step = store.record().bytes();
   const CloudView view = store.record().view(core);
   const CloudReader reader(view);
@@ -453,9 +423,7 @@ detail::StreamState::addSample(const std::vector<unsigned char>& core,
 }
 
 /** First level of the tile at a Morton code; between two tiles the finer one's. */
-int
-detail::StreamState::firstLevelAt(std::uint64_t key) const
-{
+int detail::StreamState::firstLevelAt(std::uint64_t key) const {
   const auto next =
       std::upper_bound(plan.tiles.begin(), plan.tiles.end(), key,
                        [](std::uint64_t k, const TilePlan::Tile& t) { return k < t.first_key; });
@@ -465,10 +433,9 @@ detail::StreamState::firstLevelAt(std::uint64_t key) const
   return inside || next == plan.tiles.end() ? before : std::max(before, first_levels[after]);
 }
 
-/** Fits the levels that no tile has; where a tile begins with a coarse level, what is below it is dropped. */
-Error
-detail::StreamState::fitCoarse(const std::vector<unsigned char>& sample)
-{
+/** Fits the levels that no tile has; where a tile begins with a coarse level, what is below it is
+ * dropped. */
+Error detail::StreamState::fitCoarse(const std::vector<unsigned char>& sample) {
   CoarseJob job;
   for (const int level : first_levels) job.last_level = std::max(job.last_level, level - 1);
   job.traits = traits;

@@ -9,9 +9,7 @@
 
 namespace pcl_slim {
 
-void
-Ranks::exchange(std::vector<Bytes>& messages)
-{
+void Ranks::exchange(std::vector<Bytes>& messages) {
   const Stopwatch watch;
   for (std::size_t r = 0; r < messages.size(); ++r)
     sent_ += r == static_cast<std::size_t>(rank()) ? 0 : messages[r].size();
@@ -21,17 +19,13 @@ Ranks::exchange(std::vector<Bytes>& messages)
 
 namespace detail {
 
-std::vector<Ranks::Bytes>
-fromAll(Ranks& ranks, const Ranks::Bytes& own)
-{
+std::vector<Ranks::Bytes> fromAll(Ranks& ranks, const Ranks::Bytes& own) {
   std::vector<Ranks::Bytes> messages(static_cast<std::size_t>(ranks.size()), own);
   ranks.exchange(messages);
   return messages;
 }
 
-void
-gather(Ranks& ranks, Ranks::Bytes& bytes)
-{
+void gather(Ranks& ranks, Ranks::Bytes& bytes) {
   std::vector<Ranks::Bytes> messages = emptyMessages(ranks);
   messages[0].swap(bytes);
   ranks.exchange(messages);
@@ -41,9 +35,7 @@ gather(Ranks& ranks, Ranks::Bytes& bytes)
     bytes.insert(bytes.end(), messages[r].begin(), messages[r].end());
 }
 
-bool
-Rounds::exchange(bool more, Ranks::Bytes& received)
-{
+bool Rounds::exchange(bool more, Ranks::Bytes& received) {
   for (Ranks::Bytes& message : messages_) message.push_back(more ? 1 : 0);
   ranks_.exchange(messages_);
   received.clear();
@@ -64,16 +56,12 @@ namespace {
 
 constexpr int kSummedDepth = 5;  ///< cells of one cell of this depth are summed by one rank
 
-bool
-byKey(const TilePlan::Cell& a, const TilePlan::Cell& b)
-{
+bool byKey(const TilePlan::Cell& a, const TilePlan::Cell& b) {
   return a.first_key < b.first_key;
 }
 
 /** Sums the points of cells that are there more than once. */
-void
-joinCells(std::vector<TilePlan::Cell>& cells)
-{
+void joinCells(std::vector<TilePlan::Cell>& cells) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
   std::sort(cells.begin(), cells.end(), byKey);
   std::size_t kept = 0;
@@ -90,11 +78,9 @@ joinCells(std::vector<TilePlan::Cell>& cells)
 
 }  // namespace
 
-/** Gives each rank the counts of all for the cells that were counted last: each sums a share of the cells,
- * and sends the sums to all. */
-Error
-detail::StreamState::sumCells()
-{
+/** Gives each rank the counts of all for the cells that were counted last: each sums a share of the
+ * cells, and sends the sums to all. */
+Error detail::StreamState::sumCells() {
   std::vector<Ranks::Bytes> messages = emptyMessages(ranks());
   for (const TilePlan::Cell& cell : counts.cells()) {
     if (static_cast<int>(cell.depth) != counts.depth()) continue;
@@ -111,9 +97,7 @@ detail::StreamState::sumCells()
 }
 
 /** Divides the tiles among the ranks: runs of about as many points. */
-void
-detail::StreamState::shareTiles()
-{
+void detail::StreamState::shareTiles() {
   const auto shares = static_cast<std::size_t>(ranks().size());
   first_tiles.assign(shares + 1, plan.tiles.size());
   std::size_t rank = 0;
@@ -127,9 +111,7 @@ detail::StreamState::shareTiles()
 }
 
 /** The rank whose tiles contain a point. */
-std::size_t
-detail::StreamState::ownerOf(std::uint64_t key) const
-{
+std::size_t detail::StreamState::ownerOf(std::uint64_t key) const {
   const auto begins = [&](std::uint64_t k, std::size_t tile) {
     return tile >= plan.tiles.size() || k < plan.tiles[tile].first_key;
   };
@@ -137,17 +119,14 @@ detail::StreamState::ownerOf(std::uint64_t key) const
   return static_cast<std::size_t>(after - first_tiles.begin()) - 1;
 }
 
-Error
-detail::StreamState::takePoints(TileStore& into, const Ranks::Bytes& records, PointKeys& keys) const
-{
+Error detail::StreamState::takePoints(TileStore& into, const Ranks::Bytes& records,
+                                      PointKeys& keys) const {
   const CloudView view = into.record().view(records);
   return into.add(view, keys.of(view).data(), counts);
 }
 
 /** Reads this rank's share of the points and sends them to their owners, a piece a round. */
-Error
-detail::StreamState::sendPoints(PointSource& source, Progress* progress)
-{
+Error detail::StreamState::sendPoints(PointSource& source, Progress* progress) {
   const PointRecord& record = store.record();
   PointKeys keys(frame, threads), keys_of_received(frame, threads);
   Rounds rounds(ranks());
@@ -171,9 +150,7 @@ detail::StreamState::sendPoints(PointSource& source, Progress* progress)
 }
 
 /** Brings the points of other ranks' cells that are wanted into a store of their own. */
-Error
-detail::StreamState::fetchHalo(const std::vector<char>& wanted)
-{
+Error detail::StreamState::fetchHalo(const std::vector<char>& wanted) {
   std::vector<Ranks::Bytes> messages = emptyMessages(ranks());
   std::vector<std::uint32_t> points(plan.cells.size(), 0);
   for (std::uint64_t c = 0; c < wanted.size(); ++c) {
@@ -193,11 +170,9 @@ detail::StreamState::fetchHalo(const std::vector<char>& wanted)
   return halo.finish();
 }
 
-/** Sends ranks the points of their requested cells, ascending, and receives those of its own: a bucket a
- * round. */
-Error
-detail::StreamState::sendHalo(const std::vector<std::vector<std::uint64_t>>& asked)
-{
+/** Sends ranks the points of their requested cells, ascending, and receives those of its own: a
+ * bucket a round. */
+Error detail::StreamState::sendHalo(const std::vector<std::vector<std::uint64_t>>& asked) {
   const std::size_t step = store.record().bytes();
   PointKeys keys(frame, threads), keys_of_received(frame, threads);
   Rounds rounds(ranks());
@@ -231,9 +206,8 @@ detail::StreamState::sendHalo(const std::vector<std::vector<std::uint64_t>>& ask
 }
 
 /** Brings the tiles of other ranks to rank 0's sink, one after another. */
-Error
-detail::StreamState::gatherTiles(const std::vector<std::size_t>& tiles, const StreamFit::Sink& sink)
-{
+Error detail::StreamState::gatherTiles(const std::vector<std::size_t>& tiles,
+                                       const StreamFit::Sink& sink) {
   for (const std::size_t t : tiles) {
     const std::size_t owner = ownerOf(plan.tiles[t].first_key);
     if (owner == 0) continue;

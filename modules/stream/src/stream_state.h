@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the steps of a fit by tiles share: messages between ranks, fitted tiles, what is kept, and the state.
+// What the steps of a fit by tiles share: messages between ranks, fitted tiles, what is kept, and
+// the state.
 #pragma once
 
 #include <cstddef>
@@ -34,9 +35,7 @@ class OneRank : public Ranks {
 };
 
 template <typename T>
-void
-appendBytes(const T& value, Ranks::Bytes& bytes)
-{
+void appendBytes(const T& value, Ranks::Bytes& bytes) {
   static_assert(std::is_trivially_copyable_v<T>);
   bytes.resize(bytes.size() + sizeof(T));
   std::memcpy(bytes.data() + bytes.size() - sizeof(T), &value, sizeof(T));
@@ -44,34 +43,26 @@ appendBytes(const T& value, Ranks::Bytes& bytes)
 
 /** \brief The values stored in bytes, one behind the other. */
 template <typename T>
-std::vector<T>
-valuesOf(const Ranks::Bytes& bytes)
-{
+std::vector<T> valuesOf(const Ranks::Bytes& bytes) {
   static_assert(std::is_trivially_copyable_v<T>);
   std::vector<T> values(bytes.size() / sizeof(T));
   if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
   return values;
 }
 
-inline std::vector<Ranks::Bytes>
-emptyMessages(const Ranks& ranks)
-{
+inline std::vector<Ranks::Bytes> emptyMessages(const Ranks& ranks) {
   return std::vector<Ranks::Bytes>(static_cast<std::size_t>(ranks.size()));
 }
 
 /** \brief The bytes of all ranks, in the order of the ranks, at each of them. */
-std::vector<Ranks::Bytes>
-fromAll(Ranks& ranks, const Ranks::Bytes& own);
+std::vector<Ranks::Bytes> fromAll(Ranks& ranks, const Ranks::Bytes& own);
 
 /** \brief Appends all ranks' bytes at rank 0, in their order; none are left at the others. */
-void
-gather(Ranks& ranks, Ranks::Bytes& bytes);
+void gather(Ranks& ranks, Ranks::Bytes& bytes);
 
 /** \brief All ranks' values, in the order of the ranks, at each of them. */
 template <typename T>
-std::vector<T>
-allOf(Ranks& ranks, const std::vector<T>& own)
-{
+std::vector<T> allOf(Ranks& ranks, const std::vector<T>& own) {
   Ranks::Bytes bytes;
   for (const T& value : own) appendBytes(value, bytes);
   std::vector<T> all;
@@ -84,9 +75,7 @@ allOf(Ranks& ranks, const std::vector<T>& own)
 
 /** \brief The value of rank 0. */
 template <typename T>
-T
-ofFirst(Ranks& ranks, const T& own)
-{
+T ofFirst(Ranks& ranks, const T& own) {
   std::vector<T> first;
   if (ranks.rank() == 0) first.push_back(own);
   return allOf(ranks, first).front();
@@ -132,8 +121,7 @@ struct FittedTile {
 };
 
 /** \brief A tile from bytes as FittedTiles has them. \return an error for bytes of another kind. */
-Error
-unpackTile(const Ranks::Bytes& bytes, FittedTile& made);
+Error unpackTile(const Ranks::Bytes& bytes, FittedTile& made);
 
 /** \brief Fitted tiles of a rank, on disk until rank 0 takes them. */
 class FittedTiles {
@@ -167,35 +155,29 @@ struct KeptPlan {
 };
 
 /** \brief Writes a plan into a folder. \param[in] identity of source and parameters */
-Error
-savePlan(const std::string& folder, const std::string& identity, const KeptPlan& plan);
+Error savePlan(const std::string& folder, const std::string& identity, const KeptPlan& plan);
 
-/** \brief Reads a plan. \return whether the folder has one of this identity that is whole; an error is not
- * returned: the plan is made again then. */
-bool
-loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan);
+/** \brief Reads a plan. \return whether the folder has one of this identity that is whole; an error
+ * is not returned: the plan is made again then. */
+bool loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan);
 
 /** \brief Keeps the surfels of a tile in a folder. */
-Error
-saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         const FittedTile& made);
+Error saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
+               const FittedTile& made);
 
-/** \brief Reads a tile that was kept under the same identity. \return whether there is one that is whole */
-bool
-loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         FittedTile& made);
+/** \brief Reads a tile that was kept under the same identity. \return whether there is one that is
+ * whole */
+bool loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
+              FittedTile& made);
 
 /** \brief The error of a fit that was cancelled. */
-inline Error
-cancelled()
-{
+inline Error cancelled() {
   return {ErrorCode::kCancelled, "the fit was cancelled"};
 }
 
 /** \brief What a fit by tiles knows between its steps. */
 struct StreamState {
-  explicit StreamState(StreamParams given) : params(std::move(given))
-  {
+  explicit StreamState(StreamParams given) : params(std::move(given)) {
     params.fit.threads = threads = resolveThreads(params.fit.threads);
     if (params.ranks == nullptr) params.ranks = &alone;
   }

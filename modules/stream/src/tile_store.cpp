@@ -27,9 +27,7 @@ constexpr std::size_t kBufferBytes = 16 << 20;  ///< of all buffers together ...
 constexpr std::size_t kMostBuffer = 96 << 10;   ///< ... of one ...
 constexpr std::size_t kLeastBuffer = 4 << 10;   ///< ... and at least
 
-Error
-changed()
-{
+Error changed() {
   return badInput(
       "the cloud's points changed while they were read: leave the file alone, and start again");
 }
@@ -38,14 +36,11 @@ changed()
 
 namespace fs = std::filesystem;
 
-ScratchFile::~ScratchFile()
-{
+ScratchFile::~ScratchFile() {
   if (file_ >= 0) close(file_);
 }
 
-Error
-ScratchFile::failed(const char* verb, std::uint64_t at, int code) const
-{
+Error ScratchFile::failed(const char* verb, std::uint64_t at, int code) const {
   const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
   return {ErrorCode::kIo, std::string("cannot ") + verb + " the scratch file in '" + folder_ +
                               "' at byte " + std::to_string(at) + ": " + std::strerror(code) +
@@ -53,9 +48,7 @@ ScratchFile::failed(const char* verb, std::uint64_t at, int code) const
 }
 
 /** Checks that the folder exists and has room. */
-Error
-ScratchFile::checkRoom(std::uint64_t bytes)
-{
+Error ScratchFile::checkRoom(std::uint64_t bytes) {
   std::error_code code;
   if (!fs::is_directory(folder_, code)) {
     return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' does not exist; create it first"};
@@ -70,9 +63,7 @@ ScratchFile::checkRoom(std::uint64_t bytes)
                               " are needed: make room, or name another folder"};
 }
 
-Error
-ScratchFile::create(const std::string& folder, std::uint64_t bytes)
-{
+Error ScratchFile::create(const std::string& folder, std::uint64_t bytes) {
   std::error_code code;
   folder_ = folder.empty() ? fs::temp_directory_path(code).string() : folder;
   if (Error error = checkRoom(bytes)) return error;
@@ -83,9 +74,7 @@ ScratchFile::create(const std::string& folder, std::uint64_t bytes)
   return {};
 }
 
-Error
-ScratchFile::createKept(const std::string& folder, std::uint64_t bytes)
-{
+Error ScratchFile::createKept(const std::string& folder, std::uint64_t bytes) {
   folder_ = folder;
   const std::string name = (fs::path(folder_) / kKeptName).string();
   unlink(name.c_str());
@@ -94,9 +83,7 @@ ScratchFile::createKept(const std::string& folder, std::uint64_t bytes)
   return file_ < 0 ? failed("create", 0, errno) : Error();
 }
 
-Error
-ScratchFile::openKept(const std::string& folder, std::uint64_t bytes)
-{
+Error ScratchFile::openKept(const std::string& folder, std::uint64_t bytes) {
   folder_ = folder;
   const std::string name = (fs::path(folder_) / kKeptName).string();
   std::error_code code;
@@ -106,9 +93,7 @@ ScratchFile::openKept(const std::string& folder, std::uint64_t bytes)
   return size == bytes ? Error() : failed("read", size, EIO);
 }
 
-Error
-ScratchFile::write(std::uint64_t at, const void* from, std::size_t bytes)
-{
+Error ScratchFile::write(std::uint64_t at, const void* from, std::size_t bytes) {
   for (std::size_t done = 0; done < bytes;) {
     const ssize_t now = pwrite(file_, static_cast<const char*>(from) + done, bytes - done,
                                static_cast<off_t>(at + done));
@@ -120,9 +105,7 @@ ScratchFile::write(std::uint64_t at, const void* from, std::size_t bytes)
   return {};
 }
 
-Error
-ScratchFile::read(std::uint64_t at, void* to, std::size_t bytes) const
-{
+Error ScratchFile::read(std::uint64_t at, void* to, std::size_t bytes) const {
   for (std::size_t done = 0; done < bytes;) {
     const ssize_t now =
         pread(file_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(at + done));
@@ -134,9 +117,7 @@ ScratchFile::read(std::uint64_t at, void* to, std::size_t bytes) const
   return {};
 }
 
-void
-PointRecord::write(const CloudView& piece, std::size_t i, unsigned char* to) const
-{
+void PointRecord::write(const CloudView& piece, std::size_t i, unsigned char* to) const {
   const CloudReader reader(piece);
   const std::size_t input = piece.inputIndex(i);
   const auto p = reader.position(input);
@@ -152,9 +133,7 @@ PointRecord::write(const CloudView& piece, std::size_t i, unsigned char* to) con
   std::memcpy(to + positionBytes(), n.data(), 3 * sizeof(float));
 }
 
-CloudView
-PointRecord::view(const std::vector<unsigned char>& records) const
-{
+CloudView PointRecord::view(const std::vector<unsigned char>& records) const {
   CloudView view;
   view.size = records.size() / bytes();
   view.xyz = records.data();
@@ -164,17 +143,13 @@ PointRecord::view(const std::vector<unsigned char>& records) const
   return view;
 }
 
-std::vector<std::uint32_t>
-pointsOfCells(const TilePlan& plan)
-{
+std::vector<std::uint32_t> pointsOfCells(const TilePlan& plan) {
   std::vector<std::uint32_t> points;
   for (const TilePlan::Cell& cell : plan.cells) points.push_back(cell.points);
   return points;
 }
 
-void
-TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& points)
-{
+void TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& points) {
   std::uint64_t first_point = 0;
   for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
     const TilePlan::Tile& tile = plan.tiles[t];
@@ -193,10 +168,8 @@ TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& points)
   }
 }
 
-Error
-TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
-                  const PointRecord& record, const std::string& folder, bool kept)
-{
+Error TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
+                        const PointRecord& record, const std::string& folder, bool kept) {
   record_ = record;
   cut(plan, points);
   std::uint64_t all = 0;
@@ -214,17 +187,13 @@ TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& points
   return kept ? file_.createKept(folder, all) : file_.create(folder, all);
 }
 
-Error
-TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder)
-{
+Error TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder) {
   record_ = record;
   cut(plan, pointsOfCells(plan));
   return file_.openKept(folder, plan.points * record_.bytes());
 }
 
-Error
-TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells)
-{
+Error TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells) {
   const std::size_t step = record_.bytes();
   for (std::size_t i = 0; i < piece.count(); ++i) {
     if (keys[i] == PointKeys::kLeftOut) continue;
@@ -236,9 +205,7 @@ TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCoun
   return {};
 }
 
-Error
-TileStore::flush(std::size_t b)
-{
+Error TileStore::flush(std::size_t b) {
   Bucket& bucket = buckets_[b];
   const std::size_t step = record_.bytes();
   if (bucket.written + filled_[b] > bucket.points) return changed();
@@ -249,9 +216,7 @@ TileStore::flush(std::size_t b)
   return file_.write(at, buffers_.data() + b * buffer_points_ * step, bytes);
 }
 
-Error
-TileStore::finish()
-{
+Error TileStore::finish() {
   for (std::size_t b = 0; b < buckets_.size(); ++b) {
     if (Error error = flush(b)) return error;
     if (buckets_[b].written != buckets_[b].points) return changed();
@@ -261,9 +226,7 @@ TileStore::finish()
   return {};
 }
 
-Error
-TileStore::read(const Bucket& bucket, std::vector<unsigned char>& records) const
-{
+Error TileStore::read(const Bucket& bucket, std::vector<unsigned char>& records) const {
   const std::size_t before = records.size(), step = record_.bytes();
   records.resize(before + bucket.points * step);
   return file_.read(bucket.first_point * step, records.data() + before, bucket.points * step);
@@ -274,9 +237,7 @@ namespace {
 constexpr double kCellsOfReach = 6.0;
 constexpr double kMostCells = 1 << 26;  ///< of a mask: coarser cells where a tile is scattered
 
-std::array<int, 3>
-placeOf(std::uint64_t code)
-{
+std::array<int, 3> placeOf(std::uint64_t code) {
   const auto at = [code](int axis) { return static_cast<int>(gatherBits(code >> axis)); };
   return {at(2), at(1), at(0)};
 }
@@ -284,8 +245,7 @@ placeOf(std::uint64_t code)
 }  // namespace
 
 HaloMask::HaloMask(const TilePlan& plan, const TilePlan::Tile& tile,
-                   const AlignedVector<std::uint64_t>& keys, double reach)
-{
+                   const AlignedVector<std::uint64_t>& keys, double reach) {
   depth_ = std::clamp(static_cast<int>(std::ceil(std::log2(kCellsOfReach / reach))), 1,
                       kDeepestCell - 1);
   while (!fitBox(plan, tile, reach) && depth_ > 1) --depth_;
@@ -294,9 +254,7 @@ HaloMask::HaloMask(const TilePlan& plan, const TilePlan::Tile& tile,
 }
 
 /** Sets the box of the mask. \return whether it is of a size to work with. */
-bool
-HaloMask::fitBox(const TilePlan& plan, const TilePlan::Tile& tile, double reach)
-{
+bool HaloMask::fitBox(const TilePlan& plan, const TilePlan::Tile& tile, double reach) {
   constexpr int kMost = 1 << kDeepestCell;
   Place low{kMost, kMost, kMost}, high{};
   for (std::size_t c = tile.first_cell; c < tile.end_cell; ++c) {
@@ -318,9 +276,7 @@ HaloMask::fitBox(const TilePlan& plan, const TilePlan::Tile& tile, double reach)
   return cells <= kMostCells;
 }
 
-void
-HaloMask::markCore(const AlignedVector<std::uint64_t>& keys)
-{
+void HaloMask::markCore(const AlignedVector<std::uint64_t>& keys) {
   bits_.assign(indexOf({low_[0] + size_[0], low_[1], low_[2]}), false);
   std::uint64_t last = PointKeys::kLeftOut;
   for (const std::uint64_t key : keys) {
@@ -330,25 +286,19 @@ HaloMask::markCore(const AlignedVector<std::uint64_t>& keys)
   }
 }
 
-std::size_t
-HaloMask::indexOf(const Place& p) const
-{
+std::size_t HaloMask::indexOf(const Place& p) const {
   const auto at = [&](std::size_t a) { return static_cast<std::size_t>(p[a] - low_[a]); };
   return (at(0) * static_cast<std::size_t>(size_[1]) + at(1)) * static_cast<std::size_t>(size_[2]) +
          at(2);
 }
 
-bool
-HaloMask::inside(const Place& p) const
-{
+bool HaloMask::inside(const Place& p) const {
   return std::equal(p.begin(), p.end(), low_.begin(), [](int at, int low) { return at >= low; }) &&
          p[0] < low_[0] + size_[0] && p[1] < low_[1] + size_[1] && p[2] < low_[2] + size_[2];
 }
 
 /** Marks all cells whose boxes are within a number of cells' widths of a marked one's. */
-void
-HaloMask::grow(double cells)
-{
+void HaloMask::grow(double cells) {
   const int most = static_cast<int>(std::ceil(cells)) + 1;
   const auto gap = [](int d) { return std::max(0, std::abs(d) - 1); };
   struct Row {
@@ -376,16 +326,12 @@ HaloMask::grow(double cells)
   }
 }
 
-bool
-HaloMask::hasCell(std::uint64_t code) const
-{
+bool HaloMask::hasCell(std::uint64_t code) const {
   const Place p = placeOf(code);
   return inside(p) && bits_[indexOf(p)];
 }
 
-bool
-HaloMask::meets(const TilePlan::Cell& cell) const
-{
+bool HaloMask::meets(const TilePlan::Cell& cell) const {
   const int depth = static_cast<int>(cell.depth);
   if (depth >= depth_) return holds(cell.first_key);
   const Place first = placeOf(cellOf(cell.first_key, depth_));
@@ -405,9 +351,7 @@ HaloMask::meets(const TilePlan::Cell& cell) const
   return false;
 }
 
-Error
-TileLoader::loadCore(std::size_t tile, std::vector<unsigned char>& records) const
-{
+Error TileLoader::loadCore(std::size_t tile, std::vector<unsigned char>& records) const {
   records.clear();
   for (const Bucket& bucket : store_.buckets()) {
     if (bucket.tile != tile) continue;
@@ -416,9 +360,8 @@ TileLoader::loadCore(std::size_t tile, std::vector<unsigned char>& records) cons
   return {};
 }
 
-HaloMask
-TileLoader::maskOf(std::size_t tile, const std::vector<unsigned char>& records, double reach) const
-{
+HaloMask TileLoader::maskOf(std::size_t tile, const std::vector<unsigned char>& records,
+                            double reach) const {
   const CloudView view = record().view(records);
   PointKeys keys(frame_, threads_);
   AlignedVector<std::uint64_t> codes = keys.of(view);
@@ -426,9 +369,7 @@ TileLoader::maskOf(std::size_t tile, const std::vector<unsigned char>& records, 
   return {plan_, plan_.tiles[tile], codes, reach};
 }
 
-std::vector<std::uint64_t>
-TileLoader::haloCells(std::size_t tile, const HaloMask& mask) const
-{
+std::vector<std::uint64_t> TileLoader::haloCells(std::size_t tile, const HaloMask& mask) const {
   const TilePlan::Tile& own = plan_.tiles[tile];
   std::vector<std::uint64_t> cells;
   for (std::size_t c = 0; c < plan_.cells.size(); ++c) {
@@ -440,10 +381,8 @@ TileLoader::haloCells(std::size_t tile, const HaloMask& mask) const
 
 /** Appends the points of a bucket that are wanted(key, position). */
 template <typename Wanted>
-Error
-TileLoader::loadSome(const TileStore& store, const Bucket& bucket, const Wanted& wanted,
-                     std::vector<unsigned char>& records) const
-{
+Error TileLoader::loadSome(const TileStore& store, const Bucket& bucket, const Wanted& wanted,
+                           std::vector<unsigned char>& records) const {
   const std::size_t step = record().bytes();
   std::vector<unsigned char> read;
   if (Error error = store.read(bucket, read)) return error;
@@ -459,10 +398,8 @@ TileLoader::loadSome(const TileStore& store, const Bucket& bucket, const Wanted&
   return {};
 }
 
-Error
-TileLoader::loadHalo(std::size_t tile, const HaloMask& mask,
-                     std::vector<unsigned char>& records) const
-{
+Error TileLoader::loadHalo(std::size_t tile, const HaloMask& mask,
+                           std::vector<unsigned char>& records) const {
   const auto inMask = [&](std::uint64_t key, const auto&) { return mask.holds(key); };
   for (const TileStore* store : {&store_, &halo_}) {
     for (const Bucket& bucket : store->buckets()) {
@@ -477,10 +414,8 @@ TileLoader::loadHalo(std::size_t tile, const HaloMask& mask,
   return {};
 }
 
-Error
-TileLoader::loadCells(std::size_t first, std::size_t end, std::uint64_t thinning,
-                      std::vector<unsigned char>& records) const
-{
+Error TileLoader::loadCells(std::size_t first, std::size_t end, std::uint64_t thinning,
+                            std::vector<unsigned char>& records) const {
   const std::uint64_t begin_key = plan_.cells[first].first_key;
   const std::uint64_t last_key = plan_.cells[end - 1].first_key;
   const int below = 3 * (kDeepestCell - static_cast<int>(plan_.cells[end - 1].depth));

@@ -16,8 +16,8 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A file for points in some folder. Unless it is kept it has no name, and goes when it is closed,
- * however the program ends. */
+/** \brief A file for points in some folder. Unless it is kept it has no name, and goes when it is
+ * closed, however the program ends. */
 class ScratchFile {
  public:
   ScratchFile() = default;
@@ -25,12 +25,13 @@ class ScratchFile {
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
-  /** \brief Makes it. \param[in] folder empty: the system's for temporary files \param[in] bytes that
-   * will be written \return an error where there is no folder or not enough room. */
+  /** \brief Makes it. \param[in] folder empty: the system's for temporary files \param[in] bytes
+   * that will be written \return an error where there is no folder or not enough room. */
   Error create(const std::string& folder, std::uint64_t bytes);
   /** \brief Makes one that is kept under a name in the folder, in place of an older one. */
   Error createKept(const std::string& folder, std::uint64_t bytes);
-  /** \brief Opens one that was kept, for reading. \return an error where its size differs from bytes. */
+  /** \brief Opens one that was kept, for reading. \return an error where its size differs from
+   * bytes. */
   Error openKept(const std::string& folder, std::uint64_t bytes);
   Error write(std::uint64_t at, const void* from, std::size_t bytes);
   Error read(std::uint64_t at, void* to, std::size_t bytes) const;
@@ -48,7 +49,8 @@ class ScratchFile {
   mutable std::atomic<std::uint64_t> read_ = 0;
 };
 
-/** \brief How points are kept: coordinates as floats or doubles, then a normal's three floats, if any. */
+/** \brief How points are kept: coordinates as floats or doubles, then a normal's three floats, if
+ * any. */
 struct PointRecord {
   CloudView::Scalar scalar = CloudView::Scalar::kFloat;
   bool normals = false;
@@ -62,8 +64,7 @@ struct PointRecord {
 };
 
 /** \brief How many points each of a plan's cells has. */
-std::vector<std::uint32_t>
-pointsOfCells(const TilePlan& plan);
+std::vector<std::uint32_t> pointsOfCells(const TilePlan& plan);
 
 /** \brief A run of a tile's cells whose points are contiguous in the scratch file. */
 struct Bucket {
@@ -75,8 +76,8 @@ struct Bucket {
 /** \brief The cloud's points on disk, sorted into buckets. */
 class TileStore {
  public:
-  /** \brief Cuts the tiles into buckets and makes the file. \param[in] points that it will contain of each of
-   * the plan's cells */
+  /** \brief Cuts the tiles into buckets and makes the file. \param[in] points that it will contain
+   * of each of the plan's cells */
   Error create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
                const PointRecord& record, const std::string& folder, bool kept);
   /** \brief Opens the points that an earlier run has sorted by the same plan. */
@@ -84,7 +85,8 @@ class TileStore {
 
   /** \brief Adds a piece's points to their buckets. \param[in] cells numbered */
   Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells);
-  /** \brief Writes what is still buffered. \return an error where the points are not those counted. */
+  /** \brief Writes what is still buffered. \return an error where the points are not those counted.
+   */
   Error finish();
 
   const PointRecord& record() const { return record_; }
@@ -113,7 +115,8 @@ class TileStore {
  */
 class HaloMask {
  public:
-  /** \param[in] plan,tile whose cells bound the mask \param[in] keys of the tile's points, any order
+  /** \param[in] plan,tile whose cells bound the mask \param[in] keys of the tile's points, any
+   * order
    * \param[in] reach local length. O(points + cells of the tile's box + cells with points times
    * reach squared in cells). */
   HaloMask(const TilePlan& plan, const TilePlan::Tile& tile,
@@ -144,9 +147,7 @@ class TileLoader {
   /** \param[in] halo other ranks' points near this one's tiles; none where one process has all */
   TileLoader(const TilePlan& plan, const TileStore& store, const TileStore& halo,
              const StoreFrame& frame, int threads)
-      : plan_(plan), store_(store), halo_(halo), frame_(frame), threads_(threads)
-  {
-  }
+      : plan_(plan), store_(store), halo_(halo), frame_(frame), threads_(threads) {}
 
   /** \brief Reads the points of a tile's core. */
   Error loadCore(std::size_t tile, std::vector<unsigned char>& records) const;
@@ -156,8 +157,8 @@ class TileLoader {
   std::vector<std::uint64_t> haloCells(std::size_t tile, const HaloMask& mask) const;
   /** \brief Appends the points of a tile's halo. */
   Error loadHalo(std::size_t tile, const HaloMask& mask, std::vector<unsigned char>& records) const;
-  /** \brief Appends the points of some cells, [first, end), of which every thinning-th is kept, chosen
-   * by its place. */
+  /** \brief Appends the points of some cells, [first, end), of which every thinning-th is kept,
+   * chosen by its place. */
   Error loadCells(std::size_t first, std::size_t end, std::uint64_t thinning,
                   std::vector<unsigned char>& records) const;
 

@@ -15,25 +15,19 @@ namespace {
 
 using namespace pcl_slim_test;
 
-Result<PointFile>
-load(const TemporaryFolder& folder, const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> load(const TemporaryFolder& folder, const std::vector<unsigned char>& bytes) {
   writeBytes(folder / "in.las", bytes);
   return loadPointFile(folder / "in.las");
 }
 
-std::vector<unsigned char>
-saved(const TemporaryFolder& folder, const PointFile& file)
-{
+std::vector<unsigned char> saved(const TemporaryFolder& folder, const PointFile& file) {
   const Error error = savePointFile(folder / "out.las", file);
   EXPECT_FALSE(error) << error.message;
   return fileBytes(folder / "out.las");
 }
 
 /** Adds a field of floats, as programs do. */
-void
-addFloats(PointFile& file, const std::string& name, float step)
-{
+void addFloats(PointFile& file, const std::string& name, float step) {
   pcl::PCLPointCloud2& cloud = file.cloud;
   const std::size_t n = numPoints(cloud), old_step = cloud.point_step, new_step = old_step + 8;
   std::vector<std::uint8_t> data(n * new_step);
@@ -52,8 +46,7 @@ addFloats(PointFile& file, const std::string& name, float step)
   cloud.data.assign(data.begin(), data.end());
 }
 
-TEST(LasFile, EveryFormatComesBackBitByBit)
-{
+TEST(LasFile, EveryFormatComesBackBitByBit) {
   const TemporaryFolder folder;
   for (int format = 0; format <= 10; ++format) {
     for (const bool extra : {false, true}) {
@@ -68,8 +61,7 @@ TEST(LasFile, EveryFormatComesBackBitByBit)
   }
 }
 
-TEST(LasFile, CoordinatesAreScaledInDouble)
-{
+TEST(LasFile, CoordinatesAreScaledInDouble) {
   const TemporaryFolder folder;
   LasBytes las = lasBytes(1, 2, false);
   const std::int32_t codes[3] = {-2147483647 - 1, 2147483647, 123456789};
@@ -84,8 +76,7 @@ TEST(LasFile, CoordinatesAreScaledInDouble)
       std::equal(las.record(0), las.bytes.data() + las.bytes.size(), &again[las.points_at]));
 }
 
-TEST(LasFile, OldRecordsHoldWhatTheSpecificationSays)
-{
+TEST(LasFile, OldRecordsHoldWhatTheSpecificationSays) {
   const TemporaryFolder folder;
   LasBytes las = lasBytes(3, 1, false);
   unsigned char* r = las.record(0);
@@ -120,8 +111,7 @@ TEST(LasFile, OldRecordsHoldWhatTheSpecificationSays)
   for (const auto& [name, number] : wanted) EXPECT_EQ(value(*file, name, 0), number) << name;
 }
 
-TEST(LasFile, NewRecordsHoldWhatTheSpecificationSays)
-{
+TEST(LasFile, NewRecordsHoldWhatTheSpecificationSays) {
   const TemporaryFolder folder;
   LasBytes las = lasBytes(10, 1, true);
   unsigned char* r = las.record(0);
@@ -158,8 +148,7 @@ TEST(LasFile, NewRecordsHoldWhatTheSpecificationSays)
 }
 
 /** Smoothed points do not stand on the grid of hundredths that the file has. */
-TEST(LasFile, MovedPointsGetAFinerScale)
-{
+TEST(LasFile, MovedPointsGetAFinerScale) {
   const TemporaryFolder folder;
   const LasBytes las = lasBytes(6, 500, true);
   auto file = load(folder, las.bytes);
@@ -183,8 +172,7 @@ TEST(LasFile, MovedPointsGetAFinerScale)
   }
 }
 
-TEST(LasFile, NewFieldsBecomeExtraBytes)
-{
+TEST(LasFile, NewFieldsBecomeExtraBytes) {
   const TemporaryFolder folder;
   for (const int format : {0, 3, 7}) {
     for (const bool extra : {false, true}) {
@@ -215,8 +203,7 @@ TEST(LasFile, NewFieldsBecomeExtraBytes)
   }
 }
 
-TEST(LasFile, OtherPointsBecomeAFileOfVersion14)
-{
+TEST(LasFile, OtherPointsBecomeAFileOfVersion14) {
   const TemporaryFolder folder;
   writeText(folder / "a.csv",
             "x,y,z,red,green,blue,intensity,gps_time,label\n"
@@ -234,8 +221,7 @@ TEST(LasFile, OtherPointsBecomeAFileOfVersion14)
   EXPECT_EQ(findField(las->cloud, "rgb"), -1);
 }
 
-TEST(LasFile, WhatLasCannotHoldIsNamed)
-{
+TEST(LasFile, WhatLasCannotHoldIsNamed) {
   const TemporaryFolder folder;
   for (const char* text : {"nan 0 0\n0 0 0\n", "1e200 0 0\n0 0 0\n"}) {
     writeText(folder / "a.xyz", text);
@@ -252,8 +238,7 @@ TEST(LasFile, WhatLasCannotHoldIsNamed)
             std::string::npos);
 }
 
-TEST(LasFile, CompressedAndOtherFilesNameTheCommand)
-{
+TEST(LasFile, CompressedAndOtherFilesNameTheCommand) {
   EXPECT_NE(loadPointFile("a b.laz").error().message.find("laszip -i 'a b.laz' -o 'a b.las'"),
             std::string::npos);
   EXPECT_NE(loadPointFile("c.e57").error().message.find("pdal translate 'c.e57' 'c.las'"),
@@ -264,8 +249,7 @@ TEST(LasFile, CompressedAndOtherFilesNameTheCommand)
   EXPECT_NE(load(folder, las.bytes).error().message.find("laszip"), std::string::npos);
 }
 
-TEST(LasFile, BoastfulHeadersAreErrors)
-{
+TEST(LasFile, BoastfulHeadersAreErrors) {
   const TemporaryFolder folder;
   const std::function<void(LasBytes&)> defects[] = {
       [](LasBytes& l) { l.bytes.resize(100); },
@@ -292,8 +276,7 @@ TEST(LasFile, BoastfulHeadersAreErrors)
   }
 }
 
-TEST(LasFile, DamagedFilesNeverCrash)
-{
+TEST(LasFile, DamagedFilesNeverCrash) {
   const TemporaryFolder folder;
   std::mt19937 random(3);
   for (int run = 0; run < 3000; ++run) {

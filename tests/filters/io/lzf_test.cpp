@@ -12,9 +12,7 @@ namespace {
 using pcl_slim::detail::decodeLzf;
 
 /** What PCL writes of some bytes. */
-std::vector<std::uint8_t>
-packed(const std::vector<std::uint8_t>& plain)
-{
+std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& plain) {
   std::vector<std::uint8_t> made(2 * plain.size() + 16);
   made.resize(pcl::lzfCompress(plain.data(), static_cast<unsigned int>(plain.size()), made.data(),
                                static_cast<unsigned int>(made.size())));
@@ -22,9 +20,7 @@ packed(const std::vector<std::uint8_t>& plain)
 }
 
 /** Bytes in runs of random lengths, of which some repeat. */
-std::vector<std::uint8_t>
-someBytes(std::mt19937& random, std::size_t count)
-{
+std::vector<std::uint8_t> someBytes(std::mt19937& random, std::size_t count) {
   std::vector<std::uint8_t> bytes;
   while (bytes.size() < count) {
     const std::size_t run = 1 + random() % 400;
@@ -37,8 +33,7 @@ someBytes(std::mt19937& random, std::size_t count)
   return bytes;
 }
 
-TEST(Lzf, DecodesWhatPclEncodes)
-{
+TEST(Lzf, DecodesWhatPclEncodes) {
   std::mt19937 random(5);
   for (const std::size_t count : {4u, 33u, 1000u, 20000u, 300000u}) {
     std::vector<std::uint8_t> plain = someBytes(random, count);
@@ -52,8 +47,7 @@ TEST(Lzf, DecodesWhatPclEncodes)
   }
 }
 
-TEST(Lzf, KeepsWithinItsBuffersOnAnyBytes)
-{
+TEST(Lzf, KeepsWithinItsBuffersOnAnyBytes) {
   std::mt19937 random(6);
   for (int i = 0; i < 2000; ++i) {
     std::vector<std::uint8_t> from(random() % 60), made(random() % 300);

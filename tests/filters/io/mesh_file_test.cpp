@@ -15,16 +15,13 @@ namespace {
 using namespace pcl_slim_test;
 using Faces = std::vector<std::uint32_t>;
 
-Result<PointFile>
-load(const std::string& name, const std::string& text)
-{
+Result<PointFile> load(const std::string& name, const std::string& text) {
   const TemporaryFolder folder;
   writeText(folder / name, text);
   return loadPointFile(folder / name);
 }
 
-TEST(ObjFile, VerticesNormalsAndFaces)
-{
+TEST(ObjFile, VerticesNormalsAndFaces) {
   const auto file = load("a.obj",
                          "# made by hand\nmtllib a.mtl\no thing\n"
                          "v 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 4918360.257\nvt 0 0\n"
@@ -41,8 +38,7 @@ TEST(ObjFile, VerticesNormalsAndFaces)
   EXPECT_EQ(file->left_out, (std::vector<std::string>{"texture coordinates", "the material"}));
 }
 
-TEST(ObjFile, ColoursAndNormalsWithoutFaces)
-{
+TEST(ObjFile, ColoursAndNormalsWithoutFaces) {
   const auto file = load("a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 1\nvn 1 0 0\nvn 0 1 0\n");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(value(*file, "normal_x", 0), 1);
@@ -53,8 +49,7 @@ TEST(ObjFile, ColoursAndNormalsWithoutFaces)
   EXPECT_EQ(file->numFaces(), 0u);
 }
 
-TEST(StlFile, TextAndBytesJoinTheirCorners)
-{
+TEST(StlFile, TextAndBytesJoinTheirCorners) {
   const std::string facet = "facet normal 0 0 1\nouter loop\n";
   const auto text =
       load("a.stl", "solid two\n" + facet +
@@ -78,8 +73,7 @@ TEST(StlFile, TextAndBytesJoinTheirCorners)
   EXPECT_EQ(binary->cloud.data, text->cloud.data);
 }
 
-TEST(OffFile, AllFourKinds)
-{
+TEST(OffFile, AllFourKinds) {
   const auto plain =
       load("a.off", "OFF # comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0.5\n3 0 1 2 255 0 0\n");
   ASSERT_TRUE(plain) << plain.error().message;
@@ -97,8 +91,7 @@ TEST(OffFile, AllFourKinds)
   EXPECT_GE(findField(normals->cloud, "rgb"), 0);
 }
 
-TEST(MeshFiles, DefectsAreNamedInOneLine)
-{
+TEST(MeshFiles, DefectsAreNamedInOneLine) {
   const std::pair<const char*, const char*> cases[] = {
       {"a.obj", "v 0 0\n"},
       {"b.obj", "v 0 0 x\n"},

@@ -18,9 +18,7 @@ namespace {
 using namespace pcl_slim;
 
 /** A tetrahedron somewhere, with colours. */
-TriangleMesh
-tetrahedron(double shift)
-{
+TriangleMesh tetrahedron(double shift) {
   TriangleMesh mesh;
   mesh.vertices = {{shift, 0, 0}, {shift + 1, 0, 0}, {shift, 1, 0}, {shift, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -33,16 +31,13 @@ tetrahedron(double shift)
   return mesh;
 }
 
-std::string
-bytesOf(const std::string& path)
-{
+std::string bytesOf(const std::string& path) {
   const auto bytes = readFile(path);
   EXPECT_TRUE(bytes);
   return bytes ? std::string(bytes->begin(), bytes->end()) : "";
 }
 
-TEST(MeshFiles, PlyKeepsEverything)
-{
+TEST(MeshFiles, PlyKeepsEverything) {
   const pcl_slim_test::TemporaryFolder folder;
   const std::string path = (folder / "mesh.ply");
   ASSERT_FALSE(saveMesh(path, tetrahedron(0)));
@@ -69,8 +64,7 @@ TEST(MeshFiles, PlyKeepsEverything)
   EXPECT_EQ(mesh.cloud.width, 4u);
 }
 
-TEST(MeshFiles, LargeCoordinatesStayExactWhereTheFormatCan)
-{
+TEST(MeshFiles, LargeCoordinatesStayExactWhereTheFormatCan) {
   const pcl_slim_test::TemporaryFolder folder;
   const TriangleMesh mesh = tetrahedron(4918340.125);
   EXPECT_GT(floatErrorOf(mesh), 0.01);
@@ -84,8 +78,7 @@ TEST(MeshFiles, LargeCoordinatesStayExactWhereTheFormatCan)
   EXPECT_NE(bytesOf((folder / "mesh.obj")).find("v 4918341.125 0 0"), std::string::npos);
 }
 
-TEST(MeshFiles, ObjHasPositionsColoursNormalsAndFaces)
-{
+TEST(MeshFiles, ObjHasPositionsColoursNormalsAndFaces) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.OBJ"), tetrahedron(0)));
   std::istringstream text(bytesOf((folder / "mesh.OBJ")));
@@ -97,8 +90,7 @@ TEST(MeshFiles, ObjHasPositionsColoursNormalsAndFaces)
   EXPECT_EQ(lines[8], "f 1//1 3//3 2//2");
 }
 
-TEST(MeshFiles, StlHasTheTriangles)
-{
+TEST(MeshFiles, StlHasTheTriangles) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.stl"), tetrahedron(0)));
   const std::string bytes = bytesOf((folder / "mesh.stl"));
@@ -112,8 +104,7 @@ TEST(MeshFiles, StlHasTheTriangles)
   EXPECT_EQ(facet[3 + 3 + 1], 1) << "y of its second corner";
 }
 
-TEST(MeshFiles, GlbIsWhatItsHeaderSays)
-{
+TEST(MeshFiles, GlbIsWhatItsHeaderSays) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.glb"), tetrahedron(100)));
   const std::string bytes = bytesOf((folder / "mesh.glb"));
@@ -140,8 +131,7 @@ TEST(MeshFiles, GlbIsWhatItsHeaderSays)
   EXPECT_EQ(position[1], -0.5f);
 }
 
-TEST(MeshFiles, OthersAreRefusedAndNothingIsLeft)
-{
+TEST(MeshFiles, OthersAreRefusedAndNothingIsLeft) {
   const pcl_slim_test::TemporaryFolder folder;
   EXPECT_EQ(saveMesh((folder / "mesh.pcd"), tetrahedron(0)).code, ErrorCode::kBadArgument);
   EXPECT_FALSE(std::ifstream((folder / "mesh.pcd")).good());

@@ -16,9 +16,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-pcl::PointCloud<pcl::PointXYZRGBNormal>
-coloredCloud()
-{
+pcl::PointCloud<pcl::PointXYZRGBNormal> coloredCloud() {
   pcl::PointCloud<pcl::PointXYZRGBNormal> cloud(4, 3);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud[i].x = 0.1f * static_cast<float>(i);
@@ -31,8 +29,7 @@ coloredCloud()
   return cloud;
 }
 
-TEST(PointFile, ReadsAllOfPclsPcdForms)
-{
+TEST(PointFile, ReadsAllOfPclsPcdForms) {
   const TemporaryFolder folder;
   const auto cloud = coloredCloud();
   pcl::PCDWriter writer;
@@ -55,8 +52,7 @@ TEST(PointFile, ReadsAllOfPclsPcdForms)
   }
 }
 
-TEST(PointFile, DoubleCoordinatesSurviveInBothFormats)
-{
+TEST(PointFile, DoubleCoordinatesSurviveInBothFormats) {
   const TemporaryFolder folder;
   writeText(folder / "a.pcd",
             "VERSION 0.7\nFIELDS x y z i\nSIZE 8 8 8 2\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\n"
@@ -81,8 +77,7 @@ TEST(PointFile, DoubleCoordinatesSurviveInBothFormats)
   }
 }
 
-TEST(PointFile, PlyKeepsFacesColoursAndNormals)
-{
+TEST(PointFile, PlyKeepsFacesColoursAndNormals) {
   const TemporaryFolder folder;
   writeText(folder / "a.ply",
             "ply\r\nformat ascii 1.0\r\nelement vertex 4\r\nproperty float x\r\nproperty float "
@@ -110,8 +105,7 @@ TEST(PointFile, PlyKeepsFacesColoursAndNormals)
   EXPECT_EQ(cloud[0].b, 1);
 }
 
-TEST(PointFile, ReadsBigEndianPly)
-{
+TEST(PointFile, ReadsBigEndianPly) {
   const TemporaryFolder folder;
   std::string text =
       "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty short "
@@ -126,8 +120,7 @@ TEST(PointFile, ReadsBigEndianPly)
   EXPECT_EQ(value(*file, "z", 0), -2.0);
 }
 
-TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
-{
+TEST(PointFile, BoastfulAndBrokenHeadersAreErrors) {
   const TemporaryFolder folder;
   const std::string pcd = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
   const std::string one = "WIDTH 1\nHEIGHT 1\nDATA binary\n";
@@ -188,8 +181,7 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
 }
 
 /** Names are looked up, not compared with one another. */
-TEST(PointFile, AHundredThousandElementsAreReadOnce)
-{
+TEST(PointFile, AHundredThousandElementsAreReadOnce) {
   std::string text = "ply\nformat ascii 1.0\n";
   for (int i = 0; i < 100000; ++i) text += "element e" + std::to_string(i) + " 0\n";
   const std::string points = "element vertex 1\nproperty float x\nend_header\n1\n";
@@ -204,8 +196,7 @@ TEST(PointFile, AHundredThousandElementsAreReadOnce)
   EXPECT_NE(twice.error().message.find("two elements 'e7'"), std::string::npos);
 }
 
-TEST(PointFile, NamesWhatItLeavesOut)
-{
+TEST(PointFile, NamesWhatItLeavesOut) {
   const TemporaryFolder folder;
   writeText(
       folder / "a.ply",
@@ -222,9 +213,8 @@ TEST(PointFile, NamesWhatItLeavesOut)
   EXPECT_TRUE(loadPointFile(folder / "b.ply")->left_out.empty());
 }
 
-std::vector<unsigned char>
-damagedBytes(std::vector<unsigned char> bytes, std::mt19937& random, bool cut)
-{
+std::vector<unsigned char> damagedBytes(std::vector<unsigned char> bytes, std::mt19937& random,
+                                        bool cut) {
   for (int k = 0; k < 3; ++k) {
     bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
   }
@@ -232,8 +222,7 @@ damagedBytes(std::vector<unsigned char> bytes, std::mt19937& random, bool cut)
   return bytes;
 }
 
-TEST(PointFile, DamagedFilesNeverCrash)
-{
+TEST(PointFile, DamagedFilesNeverCrash) {
   const TemporaryFolder folder;
   pcl::PCDWriter writer;
   ASSERT_EQ(writer.writeBinaryCompressed(folder / "a.pcd", coloredCloud()), 0);

@@ -11,9 +11,7 @@
 namespace pcl_slim_test {
 
 /** A point's value of a named field; not a number where there is none. */
-inline double
-value(const pcl_slim::PointFile& file, const char* name, std::size_t point)
-{
+inline double value(const pcl_slim::PointFile& file, const char* name, std::size_t point) {
   const int field = pcl_slim::findField(file.cloud, name);
   EXPECT_GE(field, 0) << name;
   return field < 0 ? NAN

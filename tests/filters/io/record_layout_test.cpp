@@ -19,9 +19,7 @@ using namespace pcl_slim_test;
 constexpr std::size_t kPoints = 300000;  ///< more than one piece
 
 /** All coordinates, then all normals, of a source. */
-std::vector<double>
-valuesOf(const std::string& path, bool normals)
-{
+std::vector<double> valuesOf(const std::string& path, bool normals) {
   const auto layout = recordLayoutOf(path, normals);
   EXPECT_TRUE(layout) << layout.error().message;
   if (!layout) return {};
@@ -49,17 +47,13 @@ valuesOf(const std::string& path, bool normals)
   return values;
 }
 
-double
-coordinate(std::size_t i, std::size_t a)
-{
+double coordinate(std::size_t i, std::size_t a) {
   return static_cast<double>(static_cast<float>(0.25 * static_cast<double>(i % 1000) +
                                                 1e-3 * static_cast<double>(i / 1000) +
                                                 static_cast<double>(a)));
 }
 
-std::vector<double>
-expected(std::size_t count, bool normals)
-{
+std::vector<double> expected(std::size_t count, bool normals) {
   std::vector<double> values;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t a = 0; a < 3; ++a) values.push_back(coordinate(i, a));
@@ -68,9 +62,7 @@ expected(std::size_t count, bool normals)
   return values;
 }
 
-void
-put(std::vector<unsigned char>& bytes, double value, std::size_t size, bool turn)
-{
+void put(std::vector<unsigned char>& bytes, double value, std::size_t size, bool turn) {
   unsigned char raw[8];
   const auto narrow = static_cast<float>(value);
   if (size == 4) std::memcpy(raw, &narrow, 4);
@@ -79,9 +71,8 @@ put(std::vector<unsigned char>& bytes, double value, std::size_t size, bool turn
 }
 
 /** A file of points with an intensity between coordinates and normals. */
-std::vector<unsigned char>
-binaryFile(const std::string& header, std::size_t size, bool turn, std::size_t count)
-{
+std::vector<unsigned char> binaryFile(const std::string& header, std::size_t size, bool turn,
+                                      std::size_t count) {
   std::vector<unsigned char> bytes(header.begin(), header.end());
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t a = 0; a < 3; ++a) put(bytes, coordinate(i, a), size, turn);
@@ -91,26 +82,20 @@ binaryFile(const std::string& header, std::size_t size, bool turn, std::size_t c
   return bytes;
 }
 
-std::string
-plyHeader(const std::string& form, const std::string& type, std::size_t count)
-{
+std::string plyHeader(const std::string& form, const std::string& type, std::size_t count) {
   return "ply\nformat " + form + " 1.0\nelement vertex " + std::to_string(count) + "\nproperty " +
          type + " x\nproperty " + type + " y\nproperty " + type +
          " z\nproperty uchar intensity\nproperty float nx\nproperty float ny\nproperty float nz\n"
          "end_header\n";
 }
 
-std::string
-pcdHeader(const std::string& data, std::size_t count)
-{
+std::string pcdHeader(const std::string& data, std::size_t count) {
   return "VERSION 0.7\nFIELDS x y z i normal_x normal_y normal_z\nSIZE 4 4 4 1 4 4 4\n"
          "TYPE F F F U F F F\nCOUNT 1 1 1 1 1 1 1\nWIDTH " +
          std::to_string(count) + "\nHEIGHT 1\nVIEWPOINT 1 2 3 1 0 0 0\nDATA " + data + "\n";
 }
 
-std::string
-textBody(std::size_t count)
-{
+std::string textBody(std::size_t count) {
   std::string text;
   char line[100];
   for (std::size_t i = 0; i < count; ++i) {
@@ -121,8 +106,7 @@ textBody(std::size_t count)
   return text;
 }
 
-TEST(RecordLayout, ReadsEveryForm)
-{
+TEST(RecordLayout, ReadsEveryForm) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& name, const std::vector<unsigned char>& bytes,
                         std::size_t count) {
@@ -145,8 +129,7 @@ TEST(RecordLayout, ReadsEveryForm)
   }
 }
 
-TEST(RecordLayout, ReadsTripletsWithoutAHeader)
-{
+TEST(RecordLayout, ReadsTripletsWithoutAHeader) {
   const TemporaryFolder folder;
   for (const std::size_t size : {4, 8}) {
     std::vector<unsigned char> bytes;
@@ -164,8 +147,7 @@ TEST(RecordLayout, ReadsTripletsWithoutAHeader)
   }
 }
 
-TEST(RecordLayout, KnowsTheSensor)
-{
+TEST(RecordLayout, KnowsTheSensor) {
   const TemporaryFolder folder;
   const std::string path = folder / ("a.pcd");
   writeBytes(path, binaryFile(pcdHeader("binary", 100), 4, false, 100));
@@ -175,8 +157,7 @@ TEST(RecordLayout, KnowsTheSensor)
   EXPECT_EQ((*layout->sensor)[2], 3.0);
 }
 
-TEST(RecordLayout, SaysWhatCannotBeStreamed)
-{
+TEST(RecordLayout, SaysWhatCannotBeStreamed) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& name, const std::string& text,
                            const std::string& word) {
@@ -196,8 +177,7 @@ TEST(RecordLayout, SaysWhatCannotBeStreamed)
   refused("a.ply", faces, "-use_normals 0");
 }
 
-TEST(RecordLayout, NamesDefects)
-{
+TEST(RecordLayout, NamesDefects) {
   const TemporaryFolder folder;
   const auto bad = [&](const std::string& name, const std::vector<unsigned char>& bytes,
                        const std::string& word) {
@@ -218,8 +198,7 @@ TEST(RecordLayout, NamesDefects)
   EXPECT_EQ(recordLayoutOf(folder / ("none.pcd"), true).error().code, ErrorCode::kIo);
 }
 
-TEST(RecordSource, NamesTheByteWhereAFileHasBecomeShorter)
-{
+TEST(RecordSource, NamesTheByteWhereAFileHasBecomeShorter) {
   const TemporaryFolder folder;
   const std::string path = folder / ("a.pcd");
   writeBytes(path, binaryFile(pcdHeader("binary", kPoints), 4, false, kPoints));
@@ -232,8 +211,7 @@ TEST(RecordSource, NamesTheByteWhereAFileHasBecomeShorter)
   EXPECT_NE(error.message.find("ends at byte 5000000"), std::string::npos) << error.message;
 }
 
-TEST(RecordSource, NamesTheRowOfATextWhereItEndsOrIsNoNumber)
-{
+TEST(RecordSource, NamesTheRowOfATextWhereItEndsOrIsNoNumber) {
   const TemporaryFolder folder;
   const std::string path = folder / ("a.pcd");
   const auto message = [&](const std::string& body) {

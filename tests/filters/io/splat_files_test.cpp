@@ -15,9 +15,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-SplatSet
-someSplats(bool gradient, const std::array<double, 3>& origin)
-{
+SplatSet someSplats(bool gradient, const std::array<double, 3>& origin) {
   SplatSet set;
   set.origin = origin;
   set.resize(50, gradient);
@@ -38,8 +36,7 @@ someSplats(bool gradient, const std::array<double, 3>& origin)
   return set;
 }
 
-TEST(SplatFiles, WhatIsWrittenIsRead)
-{
+TEST(SplatFiles, WhatIsWrittenIsRead) {
   const TemporaryFolder folder;
   for (const bool gradient : {false, true}) {
     for (const double far : {0.0, 4918360.25}) {
@@ -71,8 +68,7 @@ TEST(SplatFiles, WhatIsWrittenIsRead)
   }
 }
 
-TEST(SplatFiles, UnusableDiscsAreLeftOut)
-{
+TEST(SplatFiles, UnusableDiscsAreLeftOut) {
   SplatSet set = someSplats(true, {});
   set.x[3] = std::nanf("");
   set.radius[4] = -1.0f;
@@ -87,8 +83,7 @@ TEST(SplatFiles, UnusableDiscsAreLeftOut)
   EXPECT_EQ(read->x[3], set.x[7]);
 }
 
-TEST(SplatFiles, OtherFilesAreToldApart)
-{
+TEST(SplatFiles, OtherFilesAreToldApart) {
   const TemporaryFolder folder;
   const std::string path = folder / "surface.pcd";
   ASSERT_FALSE(saveSurface(path, pcl_slim_test::sphereSurface(2, 50)));
@@ -107,8 +102,7 @@ TEST(SplatFiles, OtherFilesAreToldApart)
   EXPECT_FALSE(surfaceFrom(file));
 }
 
-TEST(SplatFiles, WithoutColorsDiscsAreWhite)
-{
+TEST(SplatFiles, WithoutColorsDiscsAreWhite) {
   PointFile file = toPointFile(someSplats(false, {}), {});
   for (auto& field : file.cloud.fields) {
     if (field.name == "rgba" || field.name == "confidence") field.name += "_gone";

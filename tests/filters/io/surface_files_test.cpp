@@ -26,35 +26,28 @@ using namespace pcl_slim_test;
 constexpr const char* kFormats[] = {".pcd", ".ply", ".vtp", ".slim"};
 
 // Equal .slim bytes mean equal surfaces: that format holds everything but links.
-void
-expectSame(const SLIMSurface& a, const SLIMSurface& b)
-{
+void expectSame(const SLIMSurface& a, const SLIMSurface& b) {
   EXPECT_EQ(encodeSlim(a), encodeSlim(b));
   EXPECT_EQ(a.nz, b.nz);
   EXPECT_EQ(a.children, b.children);
   EXPECT_EQ(a.roots, b.roots);
 }
 
-void
-expectSame(const SLIMSurface& a, const Result<SLIMSurface>& b)
-{
+void expectSame(const SLIMSurface& a, const Result<SLIMSurface>& b) {
   ASSERT_TRUE(b) << b.error().message;
   expectSame(a, *b);
 }
 
 class SurfaceFiles : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     if (checkSurfaceExtension(std::string("a") + GetParam())) GTEST_SKIP() << "not in this build";
   }
 };
 
 /** Saves, loads and saves again: the same surface, the same bytes. */
-void
-expectRoundTrip(const SLIMSurface& surface, const TemporaryFolder& folder,
-                const std::string& ending)
-{
+void expectRoundTrip(const SLIMSurface& surface, const TemporaryFolder& folder,
+                     const std::string& ending) {
   const std::string first = folder / ("first" + ending), second = folder / ("second" + ending);
   ASSERT_FALSE(saveSurface(first, surface));
   const auto loaded = loadSurface(first);
@@ -64,8 +57,7 @@ expectRoundTrip(const SLIMSurface& surface, const TemporaryFolder& folder,
   EXPECT_EQ(fileBytes(first), fileBytes(second));
 }
 
-TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
-{
+TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes) {
   const TemporaryFolder folder;
   for (int degree = 1; degree <= 4; ++degree) {
     const SLIMSurface surface = sphereSurface(degree, 300);
@@ -74,8 +66,7 @@ TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
   EXPECT_EQ(folder.numFiles(), 2u);
 }
 
-TEST_P(SurfaceFiles, TrimMapsAndColoursAreKeptInFull)
-{
+TEST_P(SurfaceFiles, TrimMapsAndColoursAreKeptInFull) {
   const TemporaryFolder folder;
   for (const bool colored : {false, true}) {
     SLIMSurface surface = sphereSurface(2, 900);  // maps of every side
@@ -85,8 +76,7 @@ TEST_P(SurfaceFiles, TrimMapsAndColoursAreKeptInFull)
   }
 }
 
-TEST_P(SurfaceFiles, AScanWithBordersIsDrawnAsFromSlim)
-{
+TEST_P(SurfaceFiles, AScanWithBordersIsDrawnAsFromSlim) {
   // A wavy sheet with a round hole, coloured by its height.
   std::vector<double> xyz;
   for (int i = 0; i < 120; ++i) {
@@ -130,8 +120,7 @@ TEST_P(SurfaceFiles, AScanWithBordersIsDrawnAsFromSlim)
   }
 }
 
-TEST(SurfaceFiles, MapsOfAFileThatAnotherProgramHasChangedAreTheFieldsOwn)
-{
+TEST(SurfaceFiles, MapsOfAFileThatAnotherProgramHasChangedAreTheFieldsOwn) {
   SLIMSurface surface = sphereSurface(2, 90);
   setRandomTrimMaps(surface);
   const TemporaryFolder folder;
@@ -151,8 +140,7 @@ TEST(SurfaceFiles, MapsOfAFileThatAnotherProgramHasChangedAreTheFieldsOwn)
     EXPECT_EQ(cut->trimMap(i).side, surface.isOpen(i) ? 8 : 0);
 }
 
-TEST(SurfaceFiles, PclReadsTheFieldsOfAColouredOpenSurface)
-{
+TEST(SurfaceFiles, PclReadsTheFieldsOfAColouredOpenSurface) {
   SLIMSurface surface = sphereSurface(2, 300);
   setRandomTrimMaps(surface);
   setRandomColors(surface);
@@ -174,8 +162,7 @@ TEST(SurfaceFiles, PclReadsTheFieldsOfAColouredOpenSurface)
   EXPECT_EQ(cloud[7].g, surface.colors[7 * kColorBytes + 1]);
 }
 
-TEST(SurfaceFiles, PointsWithoutTheirTrimColumnsAreClosed)
-{
+TEST(SurfaceFiles, PointsWithoutTheirTrimColumnsAreClosed) {
   SLIMSurface surface = sphereSurface(2, 30);
   setRandomTrimMaps(surface);
   pcl::PCLPointCloud2 cloud;
@@ -188,8 +175,7 @@ TEST(SurfaceFiles, PointsWithoutTheirTrimColumnsAreClosed)
   expectSame(surface, loaded);
 }
 
-TEST_P(SurfaceFiles, FarOriginsAreKeptByAShift)
-{
+TEST_P(SurfaceFiles, FarOriginsAreKeptByAShift) {
   const TemporaryFolder folder;
   SLIMSurface surface = sphereSurface(2, 100);
   surface.info.origin = {515384.8125, 4918360.75, 2330.7531};
@@ -201,8 +187,7 @@ TEST_P(SurfaceFiles, FarOriginsAreKeptByAShift)
   expectSame(surface, *loaded);
 }
 
-TEST_P(SurfaceFiles, AnEmptySurfaceIsKept)
-{
+TEST_P(SurfaceFiles, AnEmptySurfaceIsKept) {
   const TemporaryFolder folder;
   SLIMSurface surface;
   surface.info.degree = 3;
@@ -214,8 +199,7 @@ TEST_P(SurfaceFiles, AnEmptySurfaceIsKept)
   EXPECT_EQ(loaded->info.degree, 3);
 }
 
-TEST_P(SurfaceFiles, TruncationsAreToldInOneLine)
-{
+TEST_P(SurfaceFiles, TruncationsAreToldInOneLine) {
   const TemporaryFolder folder;
   const std::string path = folder / ("part" + std::string(GetParam()));
   ASSERT_FALSE(saveSurface(path, sphereSurface(2, 40)));
@@ -230,8 +214,7 @@ TEST_P(SurfaceFiles, TruncationsAreToldInOneLine)
   }
 }
 
-TEST_P(SurfaceFiles, ForeignFilesAreToldInOneLine)
-{
+TEST_P(SurfaceFiles, ForeignFilesAreToldInOneLine) {
   const TemporaryFolder folder;
   const std::string path = folder / ("foreign" + std::string(GetParam()));
   for (const std::string& text :
@@ -247,8 +230,7 @@ TEST_P(SurfaceFiles, ForeignFilesAreToldInOneLine)
   }
 }
 
-TEST_P(SurfaceFiles, UnwritableAndAbsentPlacesLeaveNothing)
-{
+TEST_P(SurfaceFiles, UnwritableAndAbsentPlacesLeaveNothing) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(2, 10);
   const Error error = saveSurface(folder / ("absent/a" + std::string(GetParam())), surface);
@@ -261,8 +243,7 @@ TEST_P(SurfaceFiles, UnwritableAndAbsentPlacesLeaveNothing)
 INSTANTIATE_TEST_SUITE_P(Formats, SurfaceFiles, testing::ValuesIn(kFormats),
                          [](const auto& format) { return std::string(format.param + 1); });
 
-TEST(SurfaceFiles, ExtensionsInAnyCaseButNoOthers)
-{
+TEST(SurfaceFiles, ExtensionsInAnyCaseButNoOthers) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(1, 10);
   EXPECT_FALSE(saveSurface(folder / "a.PCD", surface));
@@ -271,8 +252,7 @@ TEST(SurfaceFiles, ExtensionsInAnyCaseButNoOthers)
   EXPECT_EQ(loadSurface(folder / "a").error().code, ErrorCode::kBadArgument);
 }
 
-TEST(SurfaceFiles, PclReadsThePcd)
-{
+TEST(SurfaceFiles, PclReadsThePcd) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(4, 50);
   ASSERT_FALSE(saveSurface(folder / "a.pcd", surface));
@@ -290,8 +270,7 @@ TEST(SurfaceFiles, PclReadsThePcd)
   expectSame(surface, fromPCL(cloud, &metadata));
 }
 
-TEST(SurfaceFiles, PclReadsThePly)
-{
+TEST(SurfaceFiles, PclReadsThePly) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(2, 50);
   ASSERT_FALSE(saveSurface(folder / "a.ply", surface));
@@ -303,8 +282,7 @@ TEST(SurfaceFiles, PclReadsThePly)
   expectSame(surface, fromPCL(cloud, &metadata));
 }
 
-TEST(SurfaceFiles, GiveBackThatSidesAreInDoubt)
-{
+TEST(SurfaceFiles, GiveBackThatSidesAreInDoubt) {
   const TemporaryFolder folder;
   SLIMSurface surface = sphereSurface(3, 50);
   surface.info.sides_in_doubt = true;
@@ -316,8 +294,7 @@ TEST(SurfaceFiles, GiveBackThatSidesAreInDoubt)
   }
 }
 
-TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface)
-{
+TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(3, 200);
   pcl::PCLPointCloud2 cloud;
@@ -336,8 +313,7 @@ TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface)
   }
 }
 
-TEST(SurfaceFiles, NewerMetadataAreRefused)
-{
+TEST(SurfaceFiles, NewerMetadataAreRefused) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.ply";
   ASSERT_FALSE(saveSurface(path, sphereSurface(1, 5)));
@@ -350,8 +326,7 @@ TEST(SurfaceFiles, NewerMetadataAreRefused)
   EXPECT_NE(loadSurface(path).error().message.find("newer"), std::string::npos);
 }
 
-TEST(SurfaceConversion, BadSurfelsAreNamed)
-{
+TEST(SurfaceConversion, BadSurfelsAreNamed) {
   pcl::PointCloud<PointSLIM> cloud;
   EXPECT_TRUE(fromPCL(cloud)) << "no surfels are a surface without surfels";
   cloud.resize(1);

@@ -22,9 +22,7 @@ using namespace pcl_slim;
 using namespace pcl_slim_test;
 
 /** A surface in three blocks, of which only the last has trim maps. */
-SLIMSurface
-writeBlocks(const std::string& path)
-{
+SLIMSurface writeBlocks(const std::string& path) {
   SLIMSurface open = sphereSurface(3, 100), all = sphereSurface(3, 300);
   setRandomTrimMaps(open);
   all = all.slice(0, 200);
@@ -38,17 +36,14 @@ writeBlocks(const std::string& path)
   return all;
 }
 
-void
-writePieces(const TemporaryFolder& folder, const std::string& name)
-{
+void writePieces(const TemporaryFolder& folder, const std::string& name) {
   SlimBlockReader reader;
   ASSERT_FALSE(reader.open(folder / "blocks.slim"));
   const Error error = saveSurfacePieces(folder / name, reader);
   ASSERT_FALSE(error) << error.message;
 }
 
-TEST(SurfacePieces, AreReadByVtk)
-{
+TEST(SurfacePieces, AreReadByVtk) {
   const TemporaryFolder folder;
   const SLIMSurface surface = writeBlocks(folder / "blocks.slim");
   writePieces(folder, "a&b.pvtp");
@@ -75,8 +70,7 @@ TEST(SurfacePieces, AreReadByVtk)
   }
 }
 
-TEST(SurfacePieces, GiveTheWholeSurfaceBack)
-{
+TEST(SurfacePieces, GiveTheWholeSurfaceBack) {
   const TemporaryFolder folder;
   const SLIMSurface surface = writeBlocks(folder / "blocks.slim");
   writePieces(folder, "a&b.pvtp");
@@ -92,8 +86,7 @@ TEST(SurfacePieces, GiveTheWholeSurfaceBack)
   EXPECT_FALSE(std::filesystem::exists(folder / "one/one_1.vtp"));
 }
 
-TEST(SurfacePieces, AMissingOrForeignPieceIsAnError)
-{
+TEST(SurfacePieces, AMissingOrForeignPieceIsAnError) {
   const TemporaryFolder folder;
   writeBlocks(folder / "blocks.slim");
   writePieces(folder, "a.pvtp");

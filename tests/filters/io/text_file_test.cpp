@@ -13,29 +13,22 @@ namespace {
 
 using namespace pcl_slim_test;
 
-Result<PointFile>
-load(const std::string& name, const std::string& text)
-{
+Result<PointFile> load(const std::string& name, const std::string& text) {
   const TemporaryFolder folder;
   writeText(folder / name, text);
   return loadPointFile(folder / name);
 }
 
-std::string
-columnsOf(const std::string& name, const std::string& text)
-{
+std::string columnsOf(const std::string& name, const std::string& text) {
   const auto file = load(name, text);
   return file ? file->columns.substr(0, file->columns.find(',')) : file.error().message;
 }
 
-int
-typeOf(const PointFile& file, const char* name)
-{
+int typeOf(const PointFile& file, const char* name) {
   return file.cloud.fields[static_cast<std::size_t>(findField(file.cloud, name))].datatype;
 }
 
-TEST(TextFile, ColumnsAreGuessedFromTheNumbers)
-{
+TEST(TextFile, ColumnsAreGuessedFromTheNumbers) {
   const std::pair<std::pair<const char*, const char*>, const char*> cases[] = {
       {{"a.xyz", "1 2 3\n4 5 6\n"}, "x y z"},
       {{"a.txt", "1 2 3 0.5\n4 5 6 7\n"}, "x y z intensity"},
@@ -55,8 +48,7 @@ TEST(TextFile, ColumnsAreGuessedFromTheNumbers)
     EXPECT_EQ(columnsOf(file.first, file.second), columns) << file.second;
 }
 
-TEST(TextFile, ColumnsAreNamedByTheFile)
-{
+TEST(TextFile, ColumnsAreNamedByTheFile) {
   const std::pair<const char*, const char*> cases[] = {
       {"X,Y,Z,R,G,B\n1,2,3,4,5,6\n", "x y z red green blue"},
       {"\"Easting [m]\";\"Northing [m]\";\"Height [m]\";Label\n1;2;3;4\n", "x y z label"},
@@ -73,8 +65,7 @@ TEST(TextFile, ColumnsAreNamedByTheFile)
   EXPECT_NE(swapped->columns.find("as the file names them"), std::string::npos);
 }
 
-TEST(TextFile, FloatsWhereTheyHoldEveryDigit)
-{
+TEST(TextFile, FloatsWhereTheyHoldEveryDigit) {
   const auto near = load("a.xyz", "0.123456 1 -2.5\n1e-3 7 3\n");
   ASSERT_TRUE(near);
   EXPECT_EQ(typeOf(*near, "x"), pcl::PCLPointField::FLOAT32);
@@ -88,8 +79,7 @@ TEST(TextFile, FloatsWhereTheyHoldEveryDigit)
   EXPECT_EQ(value(*fine, "intensity", 0), 16777217);
 }
 
-TEST(TextFile, ColoursArePacked)
-{
+TEST(TextFile, ColoursArePacked) {
   const auto bytes = load("a.txt", "1 2 3 16 32 255\n");
   ASSERT_TRUE(bytes);
   const auto& rgb = bytes->cloud.fields[static_cast<std::size_t>(findField(bytes->cloud, "rgb"))];
@@ -101,8 +91,7 @@ TEST(TextFile, ColoursArePacked)
   EXPECT_EQ(value(*wide, "red", 0), 65535);
 }
 
-TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds)
-{
+TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds) {
   const auto file =
       load("a.csv", "\xef\xbb\xbfx,y,z,name,q\r\n1,2,3,tree,\r\n4,5,nan,road,7\r\n\r\n");
   ASSERT_TRUE(file) << file.error().message;
@@ -118,8 +107,7 @@ TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds)
   EXPECT_FLOAT_EQ(static_cast<float>(value(*last, "z", 1)), -0.6f);
 }
 
-TEST(TextFile, TheLineAtFaultIsNamed)
-{
+TEST(TextFile, TheLineAtFaultIsNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"1 2 3\n4 5\n", "line 2"},          {"1 2 3\n\n4 5 six\n", "line 3: 'six'"},
       {"1 2\n3 4\n", "fewer than 3"},      {"a b c\n1 2 3\n", "name three of numbers x, y and z"},

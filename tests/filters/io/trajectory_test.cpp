@@ -15,15 +15,13 @@ using namespace pcl_slim;
 
 class TrajectoryTest : public ::testing::Test {
  protected:
-  Result<Trajectory> read(const std::string& text, const std::string& name = "path.txt")
-  {
+  Result<Trajectory> read(const std::string& text, const std::string& name = "path.txt") {
     const std::string path = folder_ / name;
     std::ofstream(path) << text;
     return loadTrajectory(path);
   }
 
-  void refuses(const std::string& text, const char* why)
-  {
+  void refuses(const std::string& text, const char* why) {
     const auto made = read(text);
     ASSERT_FALSE(made) << text;
     EXPECT_NE(made.error().message.find(why), std::string::npos) << made.error().message;
@@ -35,9 +33,7 @@ class TrajectoryTest : public ::testing::Test {
 
 /** Points at (i, 0, 0) with times in fields. */
 template <typename Time>
-PointFile
-timedPoints(const std::vector<Time>& times, const std::string& name, std::uint8_t type)
-{
+PointFile timedPoints(const std::vector<Time>& times, const std::string& name, std::uint8_t type) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   const auto field = [&](const std::string& label, std::uint8_t kind, std::size_t size) {
@@ -64,8 +60,7 @@ timedPoints(const std::vector<Time>& times, const std::string& name, std::uint8_
 
 constexpr std::uint8_t kDouble = pcl::PCLPointField::FLOAT64;
 
-TEST_F(TrajectoryTest, ReadsTumAndCsv)
-{
+TEST_F(TrajectoryTest, ReadsTumAndCsv) {
   const char* const texts[] = {
       "# timestamp tx ty tz qx qy qz qw\n100 1 2 3 0 0 0 1\n101.5 4 5 6 0 0 0 1\n",
       "100 1 2 3\n101.5 4 5 6\n",
@@ -83,8 +78,7 @@ TEST_F(TrajectoryTest, ReadsTumAndCsv)
   }
 }
 
-TEST_F(TrajectoryTest, RefusesWhatIsNone)
-{
+TEST_F(TrajectoryTest, RefusesWhatIsNone) {
   refuses("", "no points");
   refuses("1 2 3\n2 3 4\n", "3 columns");
   refuses("a,b,c,d\n1,2,3,4\n2,3,4,5\n", "named a, b, c, d");
@@ -95,8 +89,7 @@ TEST_F(TrajectoryTest, RefusesWhatIsNone)
   EXPECT_FALSE(loadTrajectory(folder_ / "missing.txt"));
 }
 
-TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces)
-{
+TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces) {
   const auto path = read("1e9 0 0 0\n1000000002 2 4 500000.25\n1000000003 2 4 500001.25\n");
   ASSERT_TRUE(path);
   PointFile file =
@@ -117,8 +110,7 @@ TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces)
   EXPECT_EQ((*moved)[5], 500000.25);
 }
 
-TEST_F(TrajectoryTest, NamesWhatIsWrongWithTheTimes)
-{
+TEST_F(TrajectoryTest, NamesWhatIsWrongWithTheTimes) {
   const auto path = read("10 0 0 0\n10.1 1 0 0\n10.2 2 0 0\n");
   ASSERT_TRUE(path);
   const auto refused = [&](const PointFile& file, const char* field, const char* why) {

@@ -38,9 +38,7 @@ struct Column {
 };
 
 /** Points of random bytes, with a gap before each field. */
-PointFile
-randomPoints(const std::vector<Column>& columns, std::uint32_t n)
-{
+PointFile randomPoints(const std::vector<Column>& columns, std::uint32_t n) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   for (const Column& column : columns) {
@@ -78,9 +76,7 @@ const std::vector<Column> kAllTypes = {{"label", Field::UINT32, 1, 4},
                                        {"rgba", Field::UINT32, 1, 4},
                                        {"fpfh", Field::FLOAT32, 33, 4}};
 
-std::vector<std::uint8_t>
-bytesOf(const pcl::PCLPointCloud2& cloud, const std::string& name)
-{
+std::vector<std::uint8_t> bytesOf(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   std::vector<std::uint8_t> bytes;
   const Field& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
   static constexpr std::size_t kSize[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
@@ -92,18 +88,15 @@ bytesOf(const pcl::PCLPointCloud2& cloud, const std::string& name)
   return bytes;
 }
 
-std::vector<std::uint8_t>
-bytesOf(vtkDataArray* array)
-{
+std::vector<std::uint8_t> bytesOf(vtkDataArray* array) {
   const auto* at = static_cast<const std::uint8_t*>(array->GetVoidPointer(0));
   const auto count = array->GetNumberOfValues() * array->GetDataTypeSize();
   return {at, at + count};
 }
 
 /** The bytes of three fields next to each other. */
-std::vector<std::uint8_t>
-tripleBytes(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3], std::size_t size)
-{
+std::vector<std::uint8_t> tripleBytes(const pcl::PCLPointCloud2& cloud,
+                                      const char* const (&names)[3], std::size_t size) {
   std::vector<std::uint8_t> bytes, part[3];
   for (int k = 0; k < 3; ++k) part[k] = bytesOf(cloud, names[k]);
   for (std::size_t i = 0; i < numPoints(cloud); ++i) {
@@ -112,17 +105,14 @@ tripleBytes(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3], std
   return bytes;
 }
 
-vtkSmartPointer<vtkPolyData>
-readByVtk(const std::string& path)
-{
+vtkSmartPointer<vtkPolyData> readByVtk(const std::string& path) {
   vtkNew<vtkXMLPolyDataReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
   return reader->GetOutput();
 }
 
-TEST(VtpPoints, VtkReadsEveryValue)
-{
+TEST(VtpPoints, VtkReadsEveryValue) {
   const TemporaryFolder folder;
   const PointFile file = randomPoints(kAllTypes, 300);
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
@@ -142,8 +132,7 @@ TEST(VtpPoints, VtkReadsEveryValue)
   EXPECT_EQ(point->GetNumberOfArrays(), 12);
 }
 
-TEST(VtpPoints, PackedColoursAreBytes)
-{
+TEST(VtpPoints, PackedColoursAreBytes) {
   const TemporaryFolder folder;
   const PointFile file = randomPoints(kAllTypes, 300);
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
@@ -159,8 +148,7 @@ TEST(VtpPoints, PackedColoursAreBytes)
   }
 }
 
-TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount)
-{
+TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(kAllTypes, 200);
   file.comments = {"a scan", "", "pcl_slim kind none"};
@@ -185,8 +173,7 @@ TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount)
   EXPECT_EQ(fileBytes(folder / "a.vtp"), fileBytes(folder / "b.vtp"));
 }
 
-TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell)
-{
+TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(
       {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 60);
@@ -212,8 +199,7 @@ TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell)
   EXPECT_EQ(bytesOf(read->cloud, "y"), bytesOf(cloud, "y"));
 }
 
-TEST(VtpPoints, FacesArePolygons)
-{
+TEST(VtpPoints, FacesArePolygons) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(
       {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 9);
@@ -234,8 +220,7 @@ TEST(VtpPoints, FacesArePolygons)
   EXPECT_NE(refused.error().message.find("vertices"), std::string::npos);
 }
 
-TEST(VtpPoints, ATakenNameGrows)
-{
+TEST(VtpPoints, ATakenNameGrows) {
   const TemporaryFolder folder;
   PointFile file = randomPoints({{"x", Field::INT32, 1, 4},
                                  {"y", Field::INT32, 1, 4},
@@ -265,8 +250,7 @@ TEST(VtpPoints, ATakenNameGrows)
   EXPECT_EQ(folder.numFiles(), 1u);
 }
 
-TEST(VtpPoints, DamageNeverCrashesAndIsToldInOneLine)
-{
+TEST(VtpPoints, DamageNeverCrashesAndIsToldInOneLine) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(kAllTypes, 12);
   file.face_begin = {0, 3, 6};

@@ -23,8 +23,7 @@ using pcl_slim_test::TemporaryFolder;
 using pcl_slim_test::writeBytes;
 using pcl_slim_test::writeText;
 
-TEST(VtpRead, EveryFormThatVtkWrites)
-{
+TEST(VtpRead, EveryFormThatVtkWrites) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(3, 500);
   ASSERT_FALSE(saveSurface(folder / "a.vtp", surface));
@@ -50,8 +49,7 @@ TEST(VtpRead, EveryFormThatVtkWrites)
   }
 }
 
-TEST(VtpRead, AnArrayOfNoKnownTypeIsNamed)
-{
+TEST(VtpRead, AnArrayOfNoKnownTypeIsNamed) {
   const TemporaryFolder folder;
   ASSERT_FALSE(saveSurface(folder / "a.vtp", sphereSurface(2, 50)));
   const auto bytes = fileBytes(folder / "a.vtp");
@@ -63,8 +61,7 @@ TEST(VtpRead, AnArrayOfNoKnownTypeIsNamed)
   EXPECT_NE(loaded.error().message.find("type"), std::string::npos) << loaded.error().message;
 }
 
-TEST(VtpRead, DamageNeverCrashesAndIsToldInOneLine)
-{
+TEST(VtpRead, DamageNeverCrashesAndIsToldInOneLine) {
   const TemporaryFolder folder;
   ASSERT_FALSE(saveSurface(folder / "a.vtp", sphereSurface(2, 30)));
   const auto bytes = fileBytes(folder / "a.vtp");

@@ -23,9 +23,7 @@ namespace pcl_slim::measure {
 namespace {
 
 /** A value of /proc/self/status in bytes; negative if it cannot be read. */
-double
-processStatus(const char* key)
-{
+double processStatus(const char* key) {
   std::ifstream file("/proc/self/status");
   for (std::string line; std::getline(file, line);) {
     if (line.compare(0, std::strlen(key), key) == 0) {
@@ -37,9 +35,7 @@ processStatus(const char* key)
 
 }  // namespace
 
-double
-cpuSeconds()
-{
+double cpuSeconds() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& t) {
@@ -48,23 +44,18 @@ cpuSeconds()
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-double
-wallSeconds()
-{
+double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double
-median(std::vector<double> values)
-{
+double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-MemoryGauge::MemoryGauge()
-{
+MemoryGauge::MemoryGauge() {
   malloc_trim(0);
   std::ofstream reset("/proc/self/clear_refs");
   reset << "5";
@@ -74,34 +65,26 @@ MemoryGauge::MemoryGauge()
   works_ = reset.good() && start_ >= 0;
 }
 
-double
-MemoryGauge::peakBytes() const
-{
+double MemoryGauge::peakBytes() const {
   const double peak = works_ ? processStatus("VmHWM:") : -1;
   return peak < 0 ? -1 : std::max(0.0, peak - start_);
 }
 
-void
-keepFreedMemory()
-{
+void keepFreedMemory() {
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 1 << 25);
 }
 
 namespace {
 
-std::vector<std::string>
-split(const std::string& list)
-{
+std::vector<std::string> split(const std::string& list) {
   std::vector<std::string> parts;
   std::stringstream stream(list);
   for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
   return parts;
 }
 
-bool
-parseValue(const ListOption& option, const std::string& text, double& value)
-{
+bool parseValue(const ListOption& option, const std::string& text, double& value) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value)) return false;
@@ -111,9 +94,7 @@ parseValue(const ListOption& option, const std::string& text, double& value)
 
 }  // namespace
 
-Error
-parseLists(const std::vector<ListOption>& options)
-{
+Error parseLists(const std::vector<ListOption>& options) {
   for (const ListOption& option : options) {
     option.values->clear();
     for (const std::string& part : split(*option.text)) {
@@ -135,9 +116,7 @@ parseLists(const std::vector<ListOption>& options)
   return {};
 }
 
-Error
-parseShapes(const std::string& text, std::vector<std::string>& names)
-{
+Error parseShapes(const std::string& text, std::vector<std::string>& names) {
   names = split(text);
   Shape shape;
   for (const std::string& name : names) {
@@ -151,9 +130,7 @@ parseShapes(const std::string& text, std::vector<std::string>& names)
   return {};
 }
 
-Error
-chooseVectors(const std::string& name)
-{
+Error chooseVectors(const std::string& name) {
   if (name == "best") return {};
   std::string known;
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {

@@ -18,9 +18,7 @@ constexpr double kMajor = 1.0, kMinor = 0.4, kWaves = 0.04;
 constexpr std::size_t kAreaCells = 1000;
 
 /** A unit direction; the poles and the seam are on no plane of symmetry. */
-Vector3
-direction(double u, double v)
-{
+Vector3 direction(double u, double v) {
   const double z = 1 - 2 * v, r = std::sqrt(std::max(0.0, 1 - z * z));
   const Vector3 d = {r * std::cos(kTau * u), r * std::sin(kTau * u), z};
   static const Vector3 a = normalized({0.61, 0.53, 0.59});
@@ -29,10 +27,8 @@ direction(double u, double v)
   return {dot(d, a), dot(d, b), dot(d, c)};
 }
 
-LineSurface
-starShaped(std::function<double(const Vector3&)> radius,
-           std::function<Jet(const Jet&, const Jet&, const Jet&)> implicit)
-{
+LineSurface starShaped(std::function<double(const Vector3&)> radius,
+                       std::function<Jet(const Jet&, const Jet&, const Jet&)> implicit) {
   return {[radius = std::move(radius)](double u, double v) {
             const Vector3 d = direction(u, v);
             return scaled(d, radius(d));
@@ -40,9 +36,7 @@ starShaped(std::function<double(const Vector3&)> radius,
           std::move(implicit)};
 }
 
-LineSurface
-torusWithWaves(double waves)
-{
+LineSurface torusWithWaves(double waves) {
   const auto map = [waves](double u, double v) {
     const double a = kTau * (u + 0.0137), b = kTau * (v + 0.0219);
     const double r = kMinor * (1 + waves * std::cos(6 * a) * std::cos(3 * b));
@@ -62,9 +56,7 @@ struct Bumps {
   double height, frequency;
 };
 
-LineSurface
-bumpySphere(const std::vector<Bumps>& all)
-{
+LineSurface bumpySphere(const std::vector<Bumps>& all) {
   return starShaped(
       [all](const Vector3& d) {
         double r = 1;
@@ -83,26 +75,20 @@ bumpySphere(const std::vector<Bumps>& all)
       });
 }
 
-Vector3
-derivative(const LineSurface& s, double u, double v, bool by_u)
-{
+Vector3 derivative(const LineSurface& s, double u, double v, bool by_u) {
   constexpr double kStep = 1e-5;
   const double a = by_u ? kStep : 0, b = by_u ? 0 : kStep;
   return scaled(subtract(s.map(u + a, v + b), s.map(u - a, v - b)), 0.5 / kStep);
 }
 
-double
-areaElement(const LineSurface& s, double u, double v)
-{
+double areaElement(const LineSurface& s, double u, double v) {
   v = std::clamp(v, 1e-4, 1 - 1e-4);
   return length(cross(derivative(s, u, v, true), derivative(s, u, v, false)));
 }
 
 }  // namespace
 
-bool
-parseLineSurface(const std::string& name, LineSurface& surface)
-{
+bool parseLineSurface(const std::string& name, LineSurface& surface) {
   if (name == "sphere") {
     surface = starShaped(
         [](const Vector3&) { return 1.0; },
@@ -135,9 +121,7 @@ parseLineSurface(const std::string& name, LineSurface& surface)
   return true;
 }
 
-double
-areaOf(const LineSurface& surface)
-{
+double areaOf(const LineSurface& surface) {
   double sum = 0;
   for (std::size_t i = 0; i < kAreaCells; ++i) {
     for (std::size_t j = 0; j < kAreaCells; ++j) {
@@ -148,10 +132,8 @@ areaOf(const LineSurface& surface)
   return sum / (kAreaCells * kAreaCells);
 }
 
-Scene
-sampleSurface(const LineSurface& surface, std::size_t count, double noise, double normal_noise,
-              std::uint64_t seed)
-{
+Scene sampleSurface(const LineSurface& surface, std::size_t count, double noise,
+                    double normal_noise, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> gauss;
@@ -183,24 +165,18 @@ namespace {
 constexpr double kStep = 2e-4;  ///< of differences of exact curvatures along the surface
 constexpr int kSecants = 4;
 
-Jet
-jetAt(const LineSurface& s, const Vector3& p)
-{
+Jet jetAt(const LineSurface& s, const Vector3& p) {
   return s.implicit(Jet::variable(p[0], 0), Jet::variable(p[1], 1), Jet::variable(p[2], 2));
 }
 
-double
-form(const Vector3& a, const std::array<double, 6>& h, const Vector3& b)
-{
+double form(const Vector3& a, const std::array<double, 6>& h, const Vector3& b) {
   return a[0] * (h[0] * b[0] + h[1] * b[1] + h[2] * b[2]) +
          a[1] * (h[1] * b[0] + h[3] * b[1] + h[4] * b[2]) +
          a[2] * (h[2] * b[0] + h[4] * b[1] + h[5] * b[2]);
 }
 
 /** Everything but e. */
-ExactCrest
-crestAt(const LineSurface& s, const Vector3& p, bool ravine)
-{
+ExactCrest crestAt(const LineSurface& s, const Vector3& p, bool ravine) {
   const Jet jet = jetAt(s, p);
   const double g = length(jet.g);
   ExactCrest c;
@@ -219,9 +195,7 @@ crestAt(const LineSurface& s, const Vector3& p, bool ravine)
 }
 
 /** Moves a place along a direction and back onto the surface. */
-Vector3
-moved(const LineSurface& s, const Vector3& p, const Vector3& d, double step)
-{
+Vector3 moved(const LineSurface& s, const Vector3& p, const Vector3& d, double step) {
   Vector3 q = along(p, step, d);
   for (int i = 0; i < 3; ++i) {
     const Jet jet = jetAt(s, q);
@@ -236,16 +210,13 @@ struct Corner {
 };
 
 /** e at one corner, in the sense of another's t. */
-double
-alignedE(const ExactCrest& c, const Vector3& t)
-{
+double alignedE(const ExactCrest& c, const Vector3& t) {
   return dot(c.t, t) < 0 ? -c.e : c.e;
 }
 
 /** The zero of e between two corners, by secants on the exact surface. */
-Vector3
-zeroBetween(const LineSurface& s, const Corner& a, const Corner& b, const Vector3& t, bool ravine)
-{
+Vector3 zeroBetween(const LineSurface& s, const Corner& a, const Corner& b, const Vector3& t,
+                    bool ravine) {
   double low = 0, high = 1, at_low = alignedE(a.crest, t), at_high = alignedE(b.crest, t);
   Vector3 place{};
   for (int i = 0; i < kSecants; ++i) {
@@ -266,10 +237,8 @@ zeroBetween(const LineSurface& s, const Corner& a, const Corner& b, const Vector
 }
 
 /** Adds what a line leaves in one triangle of the grid. */
-void
-addTriangle(const LineSurface& s, const Corner* const (&corner)[3], bool ravine,
-            std::vector<Segment>& segments)
-{
+void addTriangle(const LineSurface& s, const Corner* const (&corner)[3], bool ravine,
+                 std::vector<Segment>& segments) {
   const ExactCrest& c = corner[0]->crest;
   double e[3];
   for (int i = 0; i < 3; ++i) {
@@ -296,9 +265,7 @@ addTriangle(const LineSurface& s, const Corner* const (&corner)[3], bool ravine,
   segments.push_back(segment);
 }
 
-double
-distanceToSegment(const Vector3& p, const Segment& s)
-{
+double distanceToSegment(const Vector3& p, const Segment& s) {
   const Vector3 d = subtract(s[1], s[0]);
   const double d_sq = dot(d, d);
   const double x = d_sq > 0 ? std::clamp(dot(subtract(p, s[0]), d) / d_sq, 0.0, 1.0) : 0.0;
@@ -307,9 +274,7 @@ distanceToSegment(const Vector3& p, const Segment& s)
 
 }  // namespace
 
-ExactCrest
-exactCrest(const LineSurface& surface, double u, double v, bool ravine)
-{
+ExactCrest exactCrest(const LineSurface& surface, double u, double v, bool ravine) {
   ExactCrest c = crestAt(surface, surface.map(u, v), ravine);
   // Five points: the error is of the order of the step's fourth power.
   double k[4];
@@ -321,9 +286,7 @@ exactCrest(const LineSurface& surface, double u, double v, bool ravine)
   return c;
 }
 
-std::vector<Segment>
-exactLines(const LineSurface& surface, bool ravine, std::size_t cells)
-{
+std::vector<Segment> exactLines(const LineSurface& surface, bool ravine, std::size_t cells) {
   std::vector<Segment> segments;
   std::vector<Corner> row[2];
   for (std::size_t j = 0; j <= cells; ++j) {
@@ -347,8 +310,7 @@ exactLines(const LineSurface& surface, bool ravine, std::size_t cells)
 struct SegmentIndex::Cells {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> lists;
 
-  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
-  {
+  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
     constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
     return (static_cast<std::uint64_t>(x) & kMask) << 42 |
            (static_cast<std::uint64_t>(y) & kMask) << 21 | (static_cast<std::uint64_t>(z) & kMask);
@@ -356,8 +318,7 @@ struct SegmentIndex::Cells {
 };
 
 SegmentIndex::SegmentIndex(std::vector<Segment> segments, double reach)
-    : segments_(std::move(segments)), reach_(reach), cells_(std::make_unique<Cells>())
-{
+    : segments_(std::move(segments)), reach_(reach), cells_(std::make_unique<Cells>()) {
   for (std::uint32_t i = 0; i < segments_.size(); ++i) {
     std::int64_t low[3], high[3];
     for (std::size_t a = 0; a < 3; ++a) {
@@ -378,9 +339,7 @@ SegmentIndex::SegmentIndex(std::vector<Segment> segments, double reach)
 SegmentIndex::~SegmentIndex() = default;
 SegmentIndex::SegmentIndex(SegmentIndex&&) noexcept = default;
 
-double
-SegmentIndex::distance(const Vector3& p) const
-{
+double SegmentIndex::distance(const Vector3& p) const {
   double least = reach_;
   const auto cell = [&](double v) { return static_cast<std::int64_t>(std::floor(v / reach_)); };
   const auto it = cells_->lists.find(Cells::key(cell(p[0]), cell(p[1]), cell(p[2])));
@@ -391,17 +350,13 @@ SegmentIndex::distance(const Vector3& p) const
   return least;
 }
 
-double
-SegmentIndex::totalLength() const
-{
+double SegmentIndex::totalLength() const {
   double sum = 0;
   for (const Segment& s : segments_) sum += length(subtract(s[1], s[0]));
   return sum;
 }
 
-const std::vector<Segment>&
-SegmentIndex::segments() const
-{
+const std::vector<Segment>& SegmentIndex::segments() const {
   return segments_;
 }
 
@@ -409,9 +364,7 @@ namespace {
 
 /** Calls body(place, length that it represents) along segments, in pieces no longer than a size. */
 template <typename Body>
-void
-forPieces(const std::vector<Segment>& segments, double size, const Body& body)
-{
+void forPieces(const std::vector<Segment>& segments, double size, const Body& body) {
   for (const Segment& s : segments) {
     const Vector3 d = subtract(s[1], s[0]);
     const double l = length(d);
@@ -424,10 +377,8 @@ forPieces(const std::vector<Segment>& segments, double size, const Body& body)
 
 }  // namespace
 
-LineScore
-scoreLines(const std::vector<std::vector<Segment>>& found,
-           const std::vector<std::vector<Segment>>& truth, double spacing)
-{
+LineScore scoreLines(const std::vector<std::vector<Segment>>& found,
+                     const std::vector<std::vector<Segment>>& truth, double spacing) {
   LineScore score;
   double near_length = 0;
   const double far = 3 * spacing, piece = 0.1 * spacing;

@@ -8,8 +8,8 @@ namespace pcl_slim::measure {
 
 namespace {
 
-/** Places in a triangle, by the weights of its corners: corners, middles of edges, centroid; their shares
- * of the integral are those of the rule of degree 3. */
+/** Places in a triangle, by the weights of its corners: corners, middles of edges, centroid; their
+ * shares of the integral are those of the rule of degree 3. */
 constexpr double kPlaces[7][4] = {{1, 0, 0, 0.05},
                                   {0, 1, 0, 0.05},
                                   {0, 0, 1, 0.05},
@@ -18,17 +18,13 @@ constexpr double kPlaces[7][4] = {{1, 0, 0, 0.05},
                                   {0, 0.5, 0.5, 2 / 15.0},
                                   {1 / 3.0, 1 / 3.0, 1 / 3.0, 0.45}};
 
-double
-angleBetween(const Vector3& a, const Vector3& b)
-{
+double angleBetween(const Vector3& a, const Vector3& b) {
   return std::atan2(length(cross(a, b)), std::abs(dot(a, b))) * 180 / M_PI;
 }
 
 }  // namespace
 
-MeshError
-measureMesh(Shape shape, const TriangleMesh& mesh)
-{
+MeshError measureMesh(Shape shape, const TriangleMesh& mesh) {
   MeshError error;
   double squares = 0, angles = 0;
   for (const auto& t : mesh.triangles) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "support/lab/scenes.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
+#include "support/lab/scenes.h"
 
 namespace pcl_slim::measure {
 
@@ -17,7 +17,6 @@ struct MeshError {
 };
 
 /** \brief Measures a mesh against a shape; places at an open rim count as well. O(triangles). */
-MeshError
-measureMesh(Shape shape, const TriangleMesh& mesh);
+MeshError measureMesh(Shape shape, const TriangleMesh& mesh);
 
 }  // namespace pcl_slim::measure

@@ -16,15 +16,11 @@ namespace {
 using Point = std::array<double, 3>;
 constexpr double kTorusMajor = 1.0, kTorusMinor = 0.4;
 
-double
-dot(const Point& a, const Point& b)
-{
+double dot(const Point& a, const Point& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Point
-normalized(const Point& a)
-{
+Point normalized(const Point& a) {
   const double length = std::sqrt(dot(a, a));
   return {a[0] / length, a[1] / length, a[2] / length};
 }
@@ -36,9 +32,7 @@ struct Implicit {
   Symmetric3<double> h;
 };
 
-Implicit
-sphere(const Point& p)
-{
+Implicit sphere(const Point& p) {
   const double r = std::sqrt(dot(p, p));
   const Point d = {p[0] / r, p[1] / r, p[2] / r};
   const double k = 1.0 / r;
@@ -49,9 +43,7 @@ sphere(const Point& p)
 }
 
 /** F = (sqrt(x^2 + y^2) - R)^2 + z^2 - r^2. */
-Implicit
-torus(const Point& p)
-{
+Implicit torus(const Point& p) {
   const double rho = std::hypot(p[0], p[1]), a = rho - kTorusMajor;
   const double c = p[0] / rho, s = p[1] / rho;
   const double tangent = 2 * a / rho;
@@ -62,9 +54,7 @@ torus(const Point& p)
 }
 
 /** F = |p| - 1 - 0.1 B(p / |p|), B = sin 5x sin 5y cos 5z on the unit direction. */
-Implicit
-bumpy(const Point& p)
-{
+Implicit bumpy(const Point& p) {
   const double r = std::sqrt(dot(p, p));
   const Point d = {p[0] / r, p[1] / r, p[2] / r};
   const double sx = std::sin(5 * d[0]), cx = std::cos(5 * d[0]);
@@ -96,9 +86,7 @@ bumpy(const Point& p)
 }
 
 /** A C4 step from 0 at a to 1 at b, with its first two derivatives. */
-std::array<double, 3>
-smoothStep(double x, double a, double b)
-{
+std::array<double, 3> smoothStep(double x, double a, double b) {
   const double t = (x - a) / (b - a), w = b - a, r = 1 - t;
   if (t <= 0) return {0, 0, 0};
   if (t >= 1) return {1, 0, 0};
@@ -109,9 +97,7 @@ smoothStep(double x, double a, double b)
 
 /** F = z - h(x, y): flat left, waves in the middle, fine waves on the right. The zones meet in
  * C4 steps, smooth enough for quartic fits to show their order. */
-Implicit
-relief(const Point& p)
-{
+Implicit relief(const Point& p) {
   const double x = p[0], y = p[1];
   const auto coarse = smoothStep(x, -0.5, 0.1), fine = smoothStep(x, 0.3, 0.7);
   double h = 0, hx = 0, hy = 0, hxx = 0, hxy = 0, hyy = 0;
@@ -130,9 +116,7 @@ relief(const Point& p)
   return {p[2] - h, {-hx, -hy, 1}, {-hxx, -hxy, 0, -hyy, 0, 0}};
 }
 
-Implicit
-evaluate(Shape shape, const Point& p)
-{
+Implicit evaluate(Shape shape, const Point& p) {
   switch (shape) {
     case Shape::kSphere: return sphere(p);
     case Shape::kTorus: return torus(p);
@@ -141,9 +125,7 @@ evaluate(Shape shape, const Point& p)
   }
 }
 
-double
-meanCurvature(const Implicit& i)
-{
+double meanCurvature(const Implicit& i) {
   const double g_sq = dot(i.g, i.g), g = std::sqrt(g_sq);
   const double trace = i.h[kXX] + i.h[kYY] + i.h[kZZ];
   const double ghg = i.g[0] * (i.h[kXX] * i.g[0] + 2 * i.h[kXY] * i.g[1] + 2 * i.h[kXZ] * i.g[2]) +
@@ -153,9 +135,7 @@ meanCurvature(const Implicit& i)
 }
 
 /** A point of the surface by rejection, so that density is even over the area. */
-Point
-samplePoint(Shape shape, std::mt19937_64& rng)
-{
+Point samplePoint(Shape shape, std::mt19937_64& rng) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> gauss;
   for (;;) {
@@ -184,9 +164,7 @@ samplePoint(Shape shape, std::mt19937_64& rng)
 
 }  // namespace
 
-bool
-parseShape(const std::string& name, Shape& shape)
-{
+bool parseShape(const std::string& name, Shape& shape) {
   static const std::pair<const char*, Shape> kNames[] = {{"sphere", Shape::kSphere},
                                                          {"torus", Shape::kTorus},
                                                          {"bumpy", Shape::kBumpy},
@@ -200,9 +178,8 @@ parseShape(const std::string& name, Shape& shape)
   return false;
 }
 
-Scene
-makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std::uint64_t seed)
-{
+Scene makeScene(Shape shape, std::size_t count, double noise, double normal_noise,
+                std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss;
   Scene scene;
@@ -223,9 +200,7 @@ makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std
   return scene;
 }
 
-Truth
-truthAt(Shape shape, const Point& point)
-{
+Truth truthAt(Shape shape, const Point& point) {
   Point p = point;
   Implicit i = evaluate(shape, p);
   // Orthogonal foot: Newton steps along the gradient, corrected to stay below the point.
@@ -250,9 +225,7 @@ truthAt(Shape shape, const Point& point)
   return truth;
 }
 
-CloudView
-viewOf(const Scene& scene, const std::vector<float>* floats, bool normals)
-{
+CloudView viewOf(const Scene& scene, const std::vector<float>* floats, bool normals) {
   CloudView view;
   view.xyz = floats ? static_cast<const void*>(floats->data()) : scene.points.data();
   view.scalar = floats ? CloudView::Scalar::kFloat : CloudView::Scalar::kDouble;

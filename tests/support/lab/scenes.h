@@ -30,20 +30,17 @@ struct Truth {
 };
 
 /** \brief Shape by name: sphere, torus, bumpy, relief. \return false for another name. */
-bool
-parseShape(const std::string& name, Shape& shape);
+bool parseShape(const std::string& name, Shape& shape);
 
 /** \brief count points evenly spread over a shape, fixed by seed.
  * \param[in] noise share of the diagonal; \param[in] normal_noise [rad] of the normals. */
-Scene
-makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std::uint64_t seed);
+Scene makeScene(Shape shape, std::size_t count, double noise, double normal_noise,
+                std::uint64_t seed);
 
 /** \brief The true surface at the foot of a point near it. */
-Truth
-truthAt(Shape shape, const std::array<double, 3>& point);
+Truth truthAt(Shape shape, const std::array<double, 3>& point);
 
 /** \brief A scene's points as floats or doubles, with or without its normals; borrows all three. */
-CloudView
-viewOf(const Scene& scene, const std::vector<float>* floats, bool normals);
+CloudView viewOf(const Scene& scene, const std::vector<float>* floats, bool normals);
 
 }  // namespace pcl_slim::measure

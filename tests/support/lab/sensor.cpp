@@ -16,25 +16,19 @@ constexpr int kMarch = 400;     ///< steps in which waves are looked for around 
 constexpr int kHalvings = 60;
 
 /** The tangent that waves run along: as near to x as the axis allows. */
-Vector3
-firstTangent(const Vector3& axis)
-{
+Vector3 firstTangent(const Vector3& axis) {
   return normalized({1 - axis[0] * axis[0], -axis[0] * axis[1], -axis[0] * axis[2]});
 }
 
 /** Height above a plane with waves, in the direction of its axis. */
-double
-heightOver(const Solid& s, const Vector3& p)
-{
+double heightOver(const Solid& s, const Vector3& p) {
   const Vector3 d = subtract(p, s.center);
   const double phase = kTwoPi / s.wavelength * dot(d, firstTangent(s.axis));
   return dot(d, s.axis) - s.amplitude * std::sin(phase);
 }
 
 /** The nearer root of a quadratic a t^2 + 2 b t + c that is positive. */
-double
-nearerRoot(double a, double b, double c)
-{
+double nearerRoot(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (!(discriminant > 0) || !(a > 0)) return kNever;
   const double root = std::sqrt(discriminant);
@@ -42,9 +36,7 @@ nearerRoot(double a, double b, double c)
   return (-b + root) / a > kNear ? (-b + root) / a : kNever;
 }
 
-double
-meetWaves(const Solid& s, const Vector3& origin, const Vector3& direction)
-{
+double meetWaves(const Solid& s, const Vector3& origin, const Vector3& direction) {
   const double slope = dot(direction, s.axis), height = dot(subtract(origin, s.center), s.axis);
   const double near = (-height + s.amplitude) / slope, far = (-height - s.amplitude) / slope;
   double low = std::min(near, far), last = heightOver(s, along(origin, low, direction));
@@ -63,9 +55,7 @@ meetWaves(const Solid& s, const Vector3& origin, const Vector3& direction)
   return kNever;
 }
 
-double
-meetUnbounded(const Solid& s, const Vector3& origin, const Vector3& direction)
-{
+double meetUnbounded(const Solid& s, const Vector3& origin, const Vector3& direction) {
   const Vector3 d = subtract(origin, s.center);
   switch (s.kind) {
     case Solid::Kind::kPlane: {
@@ -83,16 +73,12 @@ meetUnbounded(const Solid& s, const Vector3& origin, const Vector3& direction)
   }
 }
 
-Foot
-footFrom(const Vector3& offset, double radius)
-{
+Foot footFrom(const Vector3& offset, double radius) {
   return {length(offset) - radius, normalized(offset)};
 }
 
 /** Newton steps along the plane's tangent to where the waves' normal points at the point. */
-Foot
-footOnWaves(const Solid& s, const Vector3& point)
-{
+Foot footOnWaves(const Solid& s, const Vector3& point) {
   const Vector3 d = subtract(point, s.center), tangent = firstTangent(s.axis);
   const double k = kTwoPi / s.wavelength, x = dot(d, tangent), h = dot(d, s.axis);
   double u = x;
@@ -109,9 +95,7 @@ footOnWaves(const Solid& s, const Vector3& point)
 
 }  // namespace
 
-double
-meet(const Solid& solid, const Vector3& origin, const Vector3& direction)
-{
+double meet(const Solid& solid, const Vector3& origin, const Vector3& direction) {
   const double t = meetUnbounded(solid, origin, direction);
   if (t == kNever) return kNever;
   const Vector3 p = along(origin, t, direction);
@@ -121,9 +105,7 @@ meet(const Solid& solid, const Vector3& origin, const Vector3& direction)
   return t;
 }
 
-Foot
-footOn(const Solid& solid, const Vector3& point)
-{
+Foot footOn(const Solid& solid, const Vector3& point) {
   const Vector3 d = subtract(point, solid.center);
   switch (solid.kind) {
     case Solid::Kind::kPlane: return {dot(d, solid.axis), solid.axis};
@@ -135,18 +117,14 @@ footOn(const Solid& solid, const Vector3& point)
 
 namespace {
 
-Solid
-plane(const Vector3& center, const Vector3& axis)
-{
+Solid plane(const Vector3& center, const Vector3& axis) {
   Solid solid;
   solid.center = center;
   solid.axis = normalized(axis);
   return solid;
 }
 
-Solid
-sphere(const Vector3& center, double radius)
-{
+Solid sphere(const Vector3& center, double radius) {
   Solid solid;
   solid.kind = Solid::Kind::kSphere;
   solid.center = center;
@@ -154,9 +132,7 @@ sphere(const Vector3& center, double radius)
   return solid;
 }
 
-Solid
-waves(double wavelength, double amplitude)
-{
+Solid waves(double wavelength, double amplitude) {
   Solid solid = plane({0, 0, 1.2}, {0.3, 0.2, -1});
   solid.kind = Solid::Kind::kWaves;
   solid.wavelength = wavelength;
@@ -165,9 +141,7 @@ waves(double wavelength, double amplitude)
 }
 
 /** Part of an upright wall. */
-Solid
-wall(const Vector3& center, const Vector3& axis, double length, double height)
-{
+Solid wall(const Vector3& center, const Vector3& axis, double length, double height) {
   Solid solid = plane(center, axis);
   for (int a = 0; a < 2; ++a) {
     solid.low[a] = center[a] - 0.5 * length;
@@ -178,9 +152,7 @@ wall(const Vector3& center, const Vector3& axis, double length, double height)
   return solid;
 }
 
-Solid
-pole(double x, double y, double radius, double height)
-{
+Solid pole(double x, double y, double radius, double height) {
   Solid solid;
   solid.kind = Solid::Kind::kPole;
   solid.center = {x, y, 0};
@@ -190,9 +162,7 @@ pole(double x, double y, double radius, double height)
   return solid;
 }
 
-Solid
-foot()
-{
+Solid foot() {
   Solid solid = pole(0.01, -0.02, 0.04, 0);
   solid.low[2] = -0.18;
   return solid;
@@ -200,16 +170,12 @@ foot()
 
 /** Wall, floor and two spheres in the air, 1.2 to 2.8 m away.
  * \param[in] tilt of the wall across the view [slope] */
-std::vector<Solid>
-hall(double tilt)
-{
+std::vector<Solid> hall(double tilt) {
   return {plane({0, 0, 2.5}, {tilt, 0.02, -1}), plane({0, 0.5, 0}, {0, -1, 0}),
           sphere({-0.4375, 0.1, 2}, 0.3), sphere({0.436, 0.15, 1.6}, 0.25)};
 }
 
-std::vector<Solid>
-street()
-{
+std::vector<Solid> street() {
   return {plane({0, 0, 0}, {0, 0, 1}),
           wall({3, 9, 0}, {0, 1, 0}, 40, 6),
           wall({-4, -11, 0}, {0.05, 1, 0}, 36, 5),
@@ -222,9 +188,7 @@ street()
 
 }  // namespace
 
-std::vector<Solid>
-namedSolids(const std::string& name)
-{
+std::vector<Solid> namedSolids(const std::string& name) {
   if (name == "room") {
     return {plane({0, 0, 3}, {0.15, 0, -1}), plane({0, 0.7, 0}, {0, -1, 0}),
             sphere({-0.35, 0.2, 1.6}, 0.3), sphere({0.45, 0.35, 1.1}, 0.2)};
@@ -258,9 +222,7 @@ struct Hit {
   int solid = -1;
 };
 
-Hit
-firstHit(const std::vector<Solid>& solids, const Vector3& origin, const Vector3& direction)
-{
+Hit firstHit(const std::vector<Solid>& solids, const Vector3& origin, const Vector3& direction) {
   Hit hit;
   for (std::size_t i = 0; i < solids.size(); ++i) {
     const double t = meet(solids[i], origin, direction);
@@ -270,9 +232,7 @@ firstHit(const std::vector<Solid>& solids, const Vector3& origin, const Vector3&
 }
 
 /** An image of Gaussian errors of variance 1, each the mean of a box of independent ones. */
-std::vector<double>
-correlatedErrors(const DepthCamera& camera, std::mt19937_64& rng)
-{
+std::vector<double> correlatedErrors(const DepthCamera& camera, std::mt19937_64& rng) {
   const int w = camera.width, h = camera.height;
   const int bx = camera.correlated_x, by = camera.correlated_y;
   std::normal_distribution<double> gauss;
@@ -293,17 +253,13 @@ correlatedErrors(const DepthCamera& camera, std::mt19937_64& rng)
   return errors;
 }
 
-Vector3
-pixelRay(const DepthCamera& camera, int x, int y)
-{
+Vector3 pixelRay(const DepthCamera& camera, int x, int y) {
   return {(x + 0.5 - 0.5 * camera.width) / camera.focal,
           (y + 0.5 - 0.5 * camera.height) / camera.focal, 1};
 }
 
 /** The depth that the camera measures, given the error of its disparity in px. */
-double
-measuredDepth(const DepthCamera& camera, double depth, double error)
-{
+double measuredDepth(const DepthCamera& camera, double depth, double error) {
   const double scale = camera.disparity_focal * camera.baseline;
   double disparity = scale / depth + camera.sigma * error;
   if (camera.step > 0) disparity = camera.step * std::round(disparity / camera.step);
@@ -311,9 +267,7 @@ measuredDepth(const DepthCamera& camera, double depth, double error)
   return camera.depth_step > 0 ? camera.depth_step * std::round(depth / camera.depth_step) : depth;
 }
 
-void
-add(const Vector3& origin, const Vector3& direction, double t, int solid, SensorScan& scan)
-{
+void add(const Vector3& origin, const Vector3& direction, double t, int solid, SensorScan& scan) {
   for (int a = 0; a < 3; ++a) {
     scan.points.push_back(static_cast<float>(origin[a] + t * direction[a]));
   }
@@ -322,9 +276,8 @@ add(const Vector3& origin, const Vector3& direction, double t, int solid, Sensor
 
 }  // namespace
 
-SensorScan
-scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera, std::uint64_t seed)
-{
+SensorScan scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera,
+                        std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   const std::vector<double> errors = correlatedErrors(camera, rng);
   std::uniform_real_distribution<double> unit;
@@ -352,9 +305,8 @@ scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera, std::u
   return scan;
 }
 
-SensorScan
-scanByLidar(const std::vector<Solid>& solids, const TurningLidar& lidar, std::uint64_t seed)
-{
+SensorScan scanByLidar(const std::vector<Solid>& solids, const TurningLidar& lidar,
+                       std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss;
   SensorScan scan;
@@ -375,9 +327,8 @@ scanByLidar(const std::vector<Solid>& solids, const TurningLidar& lidar, std::ui
   return scan;
 }
 
-SensorScan
-scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers, std::uint64_t seed)
-{
+SensorScan scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers,
+                        std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss;
   SensorScan scan;

@@ -7,8 +7,9 @@
 
 #include "pcl_slim/core/vector3.h"
 
-/** \brief Exact surfaces that sensors look at: a ray meets them, and any point has a foot on them. Scans of
- * them as depth cameras and turning lidars make them, with the truth behind each point. Metres. */
+/** \brief Exact surfaces that sensors look at: a ray meets them, and any point has a foot on them.
+ * Scans of them as depth cameras and turning lidars make them, with the truth behind each point.
+ * Metres. */
 namespace pcl_slim::measure {
 
 /** \brief One surface of a scene. */
@@ -28,8 +29,7 @@ struct Solid {
 
 /** \brief The distance along a ray from origin at which it meets a solid; infinite if it does not.
  * \param[in] direction of any length; the distance is in units of it. */
-double
-meet(const Solid& solid, const Vector3& origin, const Vector3& direction);
+double meet(const Solid& solid, const Vector3& origin, const Vector3& direction);
 
 /** \brief Signed distance of a point from a solid, and the solid's unit normal at its foot. */
 struct Foot {
@@ -37,8 +37,7 @@ struct Foot {
   Vector3 normal{};
 };
 
-Foot
-footOn(const Solid& solid, const Vector3& point);
+Foot footOn(const Solid& solid, const Vector3& point);
 
 /** \brief Points with the surface that each was seen on. */
 struct SensorScan {
@@ -65,8 +64,8 @@ struct DepthCamera {
 };
 
 /** \brief What a camera sees of some solids, pixel by pixel. */
-SensorScan
-scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera, std::uint64_t seed);
+SensorScan scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera,
+                        std::uint64_t seed);
 
 /** \brief A lidar that turns about z and errs along its beam. */
 struct TurningLidar {
@@ -77,8 +76,8 @@ struct TurningLidar {
   double farthest = 60;              ///< [m]
 };
 
-SensorScan
-scanByLidar(const std::vector<Solid>& solids, const TurningLidar& lidar, std::uint64_t seed);
+SensorScan scanByLidar(const std::vector<Solid>& solids, const TurningLidar& lidar,
+                       std::uint64_t seed);
 
 /** \brief Scans from several sides, registered with an error. */
 struct LayeredScan {
@@ -89,13 +88,13 @@ struct LayeredScan {
   double reach = 0.2;      ///< half the width of a layer about the origin [m]
 };
 
-SensorScan
-scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers, std::uint64_t seed);
+SensorScan scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers,
+                        std::uint64_t seed);
 
-/** \brief Geometry by name: room and hall (wall, floor, two spheres), frontal hall (its wall faces the
- * camera within 6 degrees), balls (two planes, five spheres), wave40, wave15, wave6 (a tilted plane with waves of 40, 15 or 6 cm) for cameras; street (ground,
- * walls, poles) for a lidar; figure (two spheres on a foot) for layers. Empty for another name. */
-std::vector<Solid>
-namedSolids(const std::string& name);
+/** \brief Geometry by name: room and hall (wall, floor, two spheres), frontal hall (its wall faces
+ * the camera within 6 degrees), balls (two planes, five spheres), wave40, wave15, wave6 (a tilted
+ * plane with waves of 40, 15 or 6 cm) for cameras; street (ground, walls, poles) for a lidar;
+ * figure (two spheres on a foot) for layers. Empty for another name. */
+std::vector<Solid> namedSolids(const std::string& name);
 
 }  // namespace pcl_slim::measure

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "support/lab/sensor.h"
-#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "support/clouds.h"
 

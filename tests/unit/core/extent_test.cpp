@@ -10,8 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-TEST(Extent, OfAnyNumberOfValues)
-{
+TEST(Extent, OfAnyNumberOfValues) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> value(-1.0f, 1.0f);
   for (std::size_t count = 1; count <= 70; ++count) {

@@ -12,8 +12,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-TEST(FileAccess, WritesAndReadsBack)
-{
+TEST(FileAccess, WritesAndReadsBack) {
   const TemporaryFolder folder;
   const std::string path = folder / "a file";
   ASSERT_FALSE(writeFile(path, "abc", 3));
@@ -24,8 +23,7 @@ TEST(FileAccess, WritesAndReadsBack)
   EXPECT_EQ(folder.numFiles(), 1u);
 }
 
-TEST(FileAccess, FollowsLinksAndKeepsThem)
-{
+TEST(FileAccess, FollowsLinksAndKeepsThem) {
   const TemporaryFolder folder;
   writeText(folder / "real", "old");
   std::filesystem::create_symlink("real", folder / "link");
@@ -35,8 +33,7 @@ TEST(FileAccess, FollowsLinksAndKeepsThem)
   EXPECT_EQ(fileBytes(folder / "real")[0], 'n');
 }
 
-TEST(FileAccess, FollowsLinksToWhereNothingIsYet)
-{
+TEST(FileAccess, FollowsLinksToWhereNothingIsYet) {
   namespace fs = std::filesystem;
   const TemporaryFolder folder;
   fs::create_symlink("real", folder / "second");
@@ -48,8 +45,7 @@ TEST(FileAccess, FollowsLinksToWhereNothingIsYet)
   EXPECT_EQ(fileBytes(folder / "real").size(), 3u);
 }
 
-TEST(FileAccess, KeepsLinksThatLeadToThemselves)
-{
+TEST(FileAccess, KeepsLinksThatLeadToThemselves) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("round", folder / "round");
   EXPECT_EQ(checkWritable(folder / "round").code, ErrorCode::kIo);
@@ -57,8 +53,7 @@ TEST(FileAccess, KeepsLinksThatLeadToThemselves)
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "round"));
 }
 
-TEST(FileAccess, OnePlaceHasOneName)
-{
+TEST(FileAccess, OnePlaceHasOneName) {
   const TemporaryFolder folder;
   const std::string place = placeOf(folder / "absent");
   std::filesystem::create_symlink("absent", folder / "link");
@@ -68,8 +63,7 @@ TEST(FileAccess, OnePlaceHasOneName)
   EXPECT_NE(placeOf(folder / "other"), place);
 }
 
-TEST(FileTransaction, FilesAppearTogether)
-{
+TEST(FileTransaction, FilesAppearTogether) {
   const TemporaryFolder folder;
   writeText(folder / "a", "old");
   FileTransaction files;
@@ -83,8 +77,7 @@ TEST(FileTransaction, FilesAppearTogether)
   EXPECT_EQ(folder.numFiles(), 2u);
 }
 
-TEST(FileTransaction, LeavesNothingUnlessCommitted)
-{
+TEST(FileTransaction, LeavesNothingUnlessCommitted) {
   const TemporaryFolder folder;
   writeText(folder / "a", "old");
   {
@@ -100,8 +93,7 @@ TEST(FileTransaction, LeavesNothingUnlessCommitted)
   EXPECT_EQ(fileBytes(folder / "a")[0], 'n');
 }
 
-TEST(FileTransaction, ToldWhenAPlaceHasGone)
-{
+TEST(FileTransaction, ToldWhenAPlaceHasGone) {
   namespace fs = std::filesystem;
   const TemporaryFolder folder;
   fs::create_directory(folder / "gone");
@@ -115,14 +107,12 @@ TEST(FileTransaction, ToldWhenAPlaceHasGone)
   EXPECT_EQ(folder.numFiles(), 0u);
 }
 
-TEST(FileAccess, WritesDevicesDirectly)
-{
+TEST(FileAccess, WritesDevicesDirectly) {
   EXPECT_FALSE(writeFile("/dev/null", "abc", 3));
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
-TEST(FileAccess, NamesWhatCannotBeUsed)
-{
+TEST(FileAccess, NamesWhatCannotBeUsed) {
   const TemporaryFolder folder;
   EXPECT_EQ(readFile(folder / "absent").error().code, ErrorCode::kIo);
   EXPECT_EQ(readFile(folder / "").error().code, ErrorCode::kIo);
@@ -134,8 +124,7 @@ TEST(FileAccess, NamesWhatCannotBeUsed)
   EXPECT_EQ(folder.numFiles(), 0u);
 }
 
-TEST(FileAccess, TakesNamesOfFullLength)
-{
+TEST(FileAccess, TakesNamesOfFullLength) {
   const TemporaryFolder folder;
   const std::string path = folder / std::string(255, 'x');
   ASSERT_FALSE(checkWritable(path));
@@ -144,8 +133,7 @@ TEST(FileAccess, TakesNamesOfFullLength)
   EXPECT_EQ(folder.numFiles(), 1u);
 }
 
-TEST(FileAccess, ReplacesNoReadOnlyFile)
-{
+TEST(FileAccess, ReplacesNoReadOnlyFile) {
   namespace fs = std::filesystem;
   const TemporaryFolder folder;
   writeText(folder / "kept", "old");
@@ -156,8 +144,7 @@ TEST(FileAccess, ReplacesNoReadOnlyFile)
   EXPECT_EQ(fileBytes(folder / "kept")[0], 'o');
 }
 
-TEST(FileAccess, ReplacedFilesKeepTheirPermissions)
-{
+TEST(FileAccess, ReplacedFilesKeepTheirPermissions) {
   namespace fs = std::filesystem;
   const TemporaryFolder folder;
   writeText(folder / "a", "old");
@@ -167,8 +154,7 @@ TEST(FileAccess, ReplacedFilesKeepTheirPermissions)
   EXPECT_EQ(fs::status(folder / "a").permissions(), before);
 }
 
-TEST(FileAccess, ReadsNoEndlessDevice)
-{
+TEST(FileAccess, ReadsNoEndlessDevice) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("/dev/zero", folder / "scan.pcd");
   const auto bytes = readFile(folder / "scan.pcd");
@@ -176,8 +162,7 @@ TEST(FileAccess, ReadsNoEndlessDevice)
   EXPECT_NE(bytes.error().message.find("device"), std::string::npos) << bytes.error().message;
 }
 
-TEST(FileAccess, ExtensionsAreLowerCase)
-{
+TEST(FileAccess, ExtensionsAreLowerCase) {
   EXPECT_EQ(lowerExtension("a.b/Scan.PcD"), ".pcd");
   EXPECT_EQ(lowerExtension("a.b/scan"), "");
 }

@@ -18,9 +18,7 @@ namespace pcl_slim {
 namespace {
 
 /** How often each index ran; threads out of range count as failures. */
-std::vector<int>
-runsOf(std::size_t count, int threads, std::size_t chunk)
-{
+std::vector<int> runsOf(std::size_t count, int threads, std::size_t chunk) {
   std::vector<int> runs(count);
   std::atomic<int> strangers{0};
   parallelFor(count, threads, chunk, [&](std::size_t i, int thread) {
@@ -31,8 +29,7 @@ runsOf(std::size_t count, int threads, std::size_t chunk)
   return runs;
 }
 
-TEST(ParallelFor, RunsEveryIndexOnce)
-{
+TEST(ParallelFor, RunsEveryIndexOnce) {
   for (const int threads : {1, 2, 8, 3, 1, 2}) {
     for (const std::size_t count : {0, 1, 7, 64, 1000}) {
       for (const std::size_t chunk : {1, 16, 5000}) {
@@ -42,8 +39,7 @@ TEST(ParallelFor, RunsEveryIndexOnce)
   }
 }
 
-TEST(ParallelFor, GivesNoThreadTwoBodiesAtOnce)
-{
+TEST(ParallelFor, GivesNoThreadTwoBodiesAtOnce) {
   std::vector<std::atomic<int>> inside(8);
   std::atomic<bool> twice{false};
   parallelFor(2000, 8, 1, [&](std::size_t, int thread) {
@@ -55,8 +51,7 @@ TEST(ParallelFor, GivesNoThreadTwoBodiesAtOnce)
   EXPECT_FALSE(twice);
 }
 
-TEST(ParallelFor, IsHelpedByAnotherThread)
-{
+TEST(ParallelFor, IsHelpedByAnotherThread) {
   if (resolveThreads(0) < 2) GTEST_SKIP() << "one core: nobody can help";
   // The pool may be late for one loop, but not for all.
   std::array<std::thread::id, 2> ids;
@@ -68,16 +63,14 @@ TEST(ParallelFor, IsHelpedByAnotherThread)
   EXPECT_NE(ids[0], ids[1]);
 }
 
-TEST(ParallelFor, WakesThreadsThatFellAsleep)
-{
+TEST(ParallelFor, WakesThreadsThatFellAsleep) {
   for (int round = 0; round < 20; ++round) {
     ASSERT_EQ(runsOf(100, 4, 1), std::vector<int>(100, 1));
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 
-TEST(ParallelFor, ManyShortRoundsLoseNothing)
-{
+TEST(ParallelFor, ManyShortRoundsLoseNothing) {
   std::vector<std::uint64_t> sums(8);
   for (int round = 0; round < 20000; ++round) {
     parallelFor(8, 1 + round % 8, 1, [&](std::size_t i, int) { sums[i] += i; });
@@ -85,8 +78,7 @@ TEST(ParallelFor, ManyShortRoundsLoseNothing)
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(sums[i], 20000 * i);
 }
 
-TEST(ParallelFor, HandsOnAnExceptionAndGoesOnWorking)
-{
+TEST(ParallelFor, HandsOnAnExceptionAndGoesOnWorking) {
   for (const int threads : {1, 2, 8}) {
     const auto fail = [](std::size_t i, int) {
       if (i == 37) throw std::runtime_error("37");
@@ -96,8 +88,7 @@ TEST(ParallelFor, HandsOnAnExceptionAndGoesOnWorking)
   }
 }
 
-TEST(ParallelFor, InsideAnotherRunsOnItsOwnThread)
-{
+TEST(ParallelFor, InsideAnotherRunsOnItsOwnThread) {
   std::vector<int> runs(400);
   std::atomic<bool> elsewhere{false};
   parallelFor(20, 4, 1, [&](std::size_t i, int) {
@@ -111,8 +102,7 @@ TEST(ParallelFor, InsideAnotherRunsOnItsOwnThread)
   EXPECT_FALSE(elsewhere);
 }
 
-TEST(ParallelFor, ServesSeveralCallersAtOnce)
-{
+TEST(ParallelFor, ServesSeveralCallersAtOnce) {
   std::vector<std::thread> callers;
   std::atomic<int> wrong{0};
   for (int c = 0; c < 4; ++c) {
@@ -129,15 +119,12 @@ TEST(ParallelFor, ServesSeveralCallersAtOnce)
 }
 
 /** Threads of this process that are alive. */
-std::size_t
-livingThreads()
-{
+std::size_t livingThreads() {
   const std::filesystem::directory_iterator tasks("/proc/self/task"), end;
   return static_cast<std::size_t>(std::distance(tasks, end));
 }
 
-TEST(ParallelFor, CallersShareOnePool)
-{
+TEST(ParallelFor, CallersShareOnePool) {
   if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "the system tells no threads";
   // A team for each caller would be kCallers times as many helpers as there are cores.
   constexpr int kCallers = 8;

@@ -11,9 +11,7 @@ using namespace pcl_slim;
 using pcl_slim_test::CrestFit;
 
 /** Every offset, count and number of lines fits together. */
-void
-expectSound(const CrestLines& lines)
-{
+void expectSound(const CrestLines& lines) {
   const std::size_t n = lines.numVertices();
   for (const std::size_t size :
        {lines.normal.size(), lines.tangent.size(), lines.k1.size(), lines.k2.size(),
@@ -35,9 +33,7 @@ expectSound(const CrestLines& lines)
   }
 }
 
-bool
-sameLines(const CrestLines& a, const CrestLines& b)
-{
+bool sameLines(const CrestLines& a, const CrestLines& b) {
   return a.position == b.position && a.normal == b.normal && a.tangent == b.tangent &&
          a.k1 == b.k1 && a.k2 == b.k2 && a.prominence == b.prominence &&
          a.significance == b.significance && a.radius == b.radius && a.line_begin == b.line_begin &&
@@ -45,8 +41,7 @@ sameLines(const CrestLines& a, const CrestLines& b)
          a.strength == b.strength;
 }
 
-TEST(CrestLines, AnEllipsoidHasOneThatClosesOnce)
-{
+TEST(CrestLines, AnEllipsoidHasOneThatClosesOnce) {
   const CrestFit fit("ellipsoid", 20000, 0);
   const CrestLines lines = fit.trace();
   expectSound(lines);
@@ -62,8 +57,7 @@ TEST(CrestLines, AnEllipsoidHasOneThatClosesOnce)
   }
 }
 
-TEST(CrestLines, AreFoundOnABumpySphere)
-{
+TEST(CrestLines, AreFoundOnABumpySphere) {
   const CrestFit fit("bumpy", 20000, 0);
   const CrestLines lines = fit.trace();
   expectSound(lines);
@@ -74,8 +68,7 @@ TEST(CrestLines, AreFoundOnABumpySphere)
   EXPECT_LT(score.rms, 0.1);
 }
 
-TEST(CrestLines, AreFoundOnANoisyRoundedBox)
-{
+TEST(CrestLines, AreFoundOnANoisyRoundedBox) {
   const CrestFit fit("box", 20000, 0.001);
   const auto score = fit.score(fit.trace(), 300);
   EXPECT_GT(score.found3, 0.98);
@@ -83,8 +76,7 @@ TEST(CrestLines, AreFoundOnANoisyRoundedBox)
   EXPECT_LT(score.rms, 0.35);
 }
 
-TEST(CrestLines, NoiseOnASphereMakesNone)
-{
+TEST(CrestLines, NoiseOnASphereMakesNone) {
   const CrestFit fit("sphere", 20000, 0.005);
   CrestStatistics statistics;
   EXPECT_EQ(fit.trace({}, &statistics).numLines(), 0u);
@@ -94,14 +86,12 @@ TEST(CrestLines, NoiseOnASphereMakesNone)
   EXPECT_GT(fit.trace(all).numLines(), 0u) << "nothing was left out";
 }
 
-TEST(CrestLines, NoiseOnATorusMakesNone)
-{
+TEST(CrestLines, NoiseOnATorusMakesNone) {
   // Half a radius aside k is noisy too: the larger of both sides once let this cloud's noise pass.
   EXPECT_EQ(CrestFit("torus", 20000, 0.002, 31).trace().numLines(), 0u);
 }
 
-TEST(CrestLines, AreTheSameForAnyNumberOfThreads)
-{
+TEST(CrestLines, AreTheSameForAnyNumberOfThreads) {
   const CrestFit fit("bumpy", 10000, 0.0005);
   CrestParams params;
   params.threads = 1;
@@ -113,8 +103,7 @@ TEST(CrestLines, AreTheSameForAnyNumberOfThreads)
   }
 }
 
-TEST(CrestLines, RidgesAndRavinesAreTracedApart)
-{
+TEST(CrestLines, RidgesAndRavinesAreTracedApart) {
   const CrestFit fit("bumpy", 10000, 0);
   CrestParams params;
   params.ravines = false;
@@ -129,8 +118,7 @@ TEST(CrestLines, RidgesAndRavinesAreTracedApart)
   for (const float k2 : ravines.k2) EXPECT_LT(k2, 0);
 }
 
-TEST(CrestLines, StrengthAndLengthLeaveLinesOut)
-{
+TEST(CrestLines, StrengthAndLengthLeaveLinesOut) {
   const CrestFit fit("bumpy", 10000, 0);
   const CrestLines all = fit.trace();
   CrestParams params;
@@ -147,8 +135,7 @@ TEST(CrestLines, StrengthAndLengthLeaveLinesOut)
   EXPECT_GT(statistics.short_lines, 0u);
 }
 
-TEST(CrestLines, TurnWithTheSurface)
-{
+TEST(CrestLines, TurnWithTheSurface) {
   // The normals turned round: every ridge becomes a ravine at the same place.
   CrestFit fit("bumpy", 10000, 0);
   const CrestLines before = fit.trace();
@@ -166,8 +153,7 @@ TEST(CrestLines, TurnWithTheSurface)
   EXPECT_LT(score.off1, 0.03);
 }
 
-TEST(CrestLines, BadArgumentsAreNamed)
-{
+TEST(CrestLines, BadArgumentsAreNamed) {
   const CrestFit fit("sphere", 2000, 0);
   CrestLines lines;
   CrestParams params;
@@ -188,8 +174,7 @@ TEST(CrestLines, BadArgumentsAreNamed)
   EXPECT_NE(error.message.find("extremality"), std::string::npos);
 }
 
-TEST(CrestLines, CancellingLeavesNone)
-{
+TEST(CrestLines, CancellingLeavesNone) {
   const CrestFit fit("bumpy", 5000, 0);
   float last = -1;
   Progress* running = nullptr;

@@ -7,8 +7,7 @@ namespace {
 
 using namespace pcl_slim;
 
-TEST(PlaceGrid, FindsTheNearestWithinReach)
-{
+TEST(PlaceGrid, FindsTheNearestWithinReach) {
   detail::PlaceGrid grid(0.1);
   const auto any = [](std::int64_t) { return true; };
   EXPECT_EQ(grid.nearest({0, 0, 0}, 1, any), detail::PlaceGrid::kNothing);

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "support/lab/mesh_error.h"
 #include "support/clouds.h"
+#include "support/lab/mesh_error.h"
 #include "support/sphere_surface.h"
 
 namespace {
@@ -17,9 +17,7 @@ using namespace pcl_slim;
 using measure::Shape;
 using pcl_slim_test::Cloud;
 
-SLIMSurface
-surfaceOf(const Cloud& cloud)
-{
+SLIMSurface surfaceOf(const Cloud& cloud) {
   const PointStore store = pcl_slim_test::storeOf(cloud);
   FitParams params;
   params.threads = 2;
@@ -29,18 +27,15 @@ surfaceOf(const Cloud& cloud)
   return surface;
 }
 
-TriangleMesh
-extract(const SLIMSurface& surface, const MeshParams& params, MeshStatistics& statistics)
-{
+TriangleMesh extract(const SLIMSurface& surface, const MeshParams& params,
+                     MeshStatistics& statistics) {
   TriangleMesh mesh;
   const Error error = extractMesh(surface, params, mesh, &statistics);
   EXPECT_FALSE(error) << error.message;
   return mesh;
 }
 
-void
-expectManifold(const MeshCensus& census)
-{
+void expectManifold(const MeshCensus& census) {
   EXPECT_EQ(census.nonmanifold_edges, 0u);
   EXPECT_EQ(census.nonmanifold_vertices, 0u);
   EXPECT_EQ(census.turned_edges, 0u);
@@ -54,16 +49,13 @@ struct ClosedCase {
   bool normals;
 };
 
-void
-PrintTo(const ClosedCase& c, std::ostream* out)
-{
+void PrintTo(const ClosedCase& c, std::ostream* out) {
   *out << c.name << " noise " << c.noise << (c.normals ? " with normals" : "");
 }
 
 class ClosedSurfaces : public testing::TestWithParam<ClosedCase> {};
 
-TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance)
-{
+TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance) {
   const ClosedCase c = GetParam();
   Cloud cloud = pcl_slim_test::sceneCloud(c.shape, 8000, c.noise);
   if (!c.normals) cloud = cloud.withoutNormals();
@@ -85,8 +77,8 @@ TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance)
     EXPECT_LE(error.max, statistics.tolerance);
     EXPECT_LE(error.normal, 1.0);
   } else {
-    // The vertices lie on the fit, which averages the noise down to about a fifth. Triangles as wide as the
-    // points' spacing add about the tolerance.
+    // The vertices lie on the fit, which averages the noise down to about a fifth. Triangles as
+    // wide as the points' spacing add about the tolerance.
     EXPECT_LE(error.vertex_rms, 0.35 * sigma);
     EXPECT_LE(error.rms, error.vertex_rms + 0.7 * statistics.tolerance);
   }
@@ -97,9 +89,7 @@ TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance)
   EXPECT_TRUE(volume > 0 || !c.normals) << "triangles face outwards, as the normals do";
 }
 
-std::vector<ClosedCase>
-closedCases()
-{
+std::vector<ClosedCase> closedCases() {
   std::vector<ClosedCase> cases;
   for (const double noise : {0.0, 0.001, 0.005}) {
     for (const bool normals : {true, false}) {
@@ -113,8 +103,7 @@ closedCases()
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ClosedSurfaces, testing::ValuesIn(closedCases()));
 
-TEST(MeshExtraction, ToleranceBoundsTheError)
-{
+TEST(MeshExtraction, ToleranceBoundsTheError) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kTorus, 20000, 0));
   std::size_t last = std::numeric_limits<std::size_t>::max();
   for (const double tolerance : {3e-4, 1e-3}) {
@@ -129,8 +118,7 @@ TEST(MeshExtraction, ToleranceBoundsTheError)
   }
 }
 
-TEST(MeshExtraction, VerticesHaveTheSurfacesNormalsAndCurvatures)
-{
+TEST(MeshExtraction, VerticesHaveTheSurfacesNormalsAndCurvatures) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kSphere, 20000, 0));
   MeshStatistics statistics;
   const TriangleMesh mesh = extract(surface, {}, statistics);
@@ -145,8 +133,7 @@ TEST(MeshExtraction, VerticesHaveTheSurfacesNormalsAndCurvatures)
   }
 }
 
-TEST(MeshExtraction, OpenReliefEndsWhereItsPointsDo)
-{
+TEST(MeshExtraction, OpenReliefEndsWhereItsPointsDo) {
   for (const double noise : {0.0, 0.001, 0.005}) {
     const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kRelief, 30000, noise));
     MeshStatistics statistics;
@@ -155,7 +142,8 @@ TEST(MeshExtraction, OpenReliefEndsWhereItsPointsDo)
     EXPECT_EQ(statistics.census.components, 1u);
     EXPECT_GT(statistics.census.border_edges, 50u);
     expectManifold(statistics.census);
-    // The square's side is 2; the rim is within four spacings of 2 / sqrt(30000), and noise moves it.
+    // The square's side is 2; the rim is within four spacings of 2 / sqrt(30000), and noise moves
+    // it.
     const double reach = 1 + 4 * 2 / std::sqrt(30000.0) + 3 * noise * 2.9;
     double most = 0;
     for (const Vector3& p : mesh.vertices) {
@@ -166,8 +154,7 @@ TEST(MeshExtraction, OpenReliefEndsWhereItsPointsDo)
   }
 }
 
-TEST(MeshExtraction, WithoutTrimmingItGoesOnToTheLeavesEnds)
-{
+TEST(MeshExtraction, WithoutTrimmingItGoesOnToTheLeavesEnds) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kRelief, 20000, 0.001));
   MeshStatistics statistics;
   MeshParams params;
@@ -181,9 +168,7 @@ TEST(MeshExtraction, WithoutTrimmingItGoesOnToTheLeavesEnds)
 }
 
 /** A square with a round hole. */
-Cloud
-punched(double radius)
-{
+Cloud punched(double radius) {
   Cloud cloud;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> along(-1, 1);
@@ -194,8 +179,7 @@ punched(double radius)
   return cloud;
 }
 
-TEST(MeshExtraction, HolesOfTheDataStayOpenUnlessTheyAreSmall)
-{
+TEST(MeshExtraction, HolesOfTheDataStayOpenUnlessTheyAreSmall) {
   const double spacing = 2 / std::sqrt(20000.0);
   MeshStatistics statistics;
   const SLIMSurface surface = surfaceOf(punched(8 * spacing));
@@ -209,8 +193,7 @@ TEST(MeshExtraction, HolesOfTheDataStayOpenUnlessTheyAreSmall)
   EXPECT_GE(statistics.closed_holes, 1u);
 }
 
-TEST(MeshExtraction, SmallComponentsAreLeftOut)
-{
+TEST(MeshExtraction, SmallComponentsAreLeftOut) {
   Cloud cloud = pcl_slim_test::sceneCloud(Shape::kSphere, 5000, 0);
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;
@@ -234,8 +217,7 @@ TEST(MeshExtraction, SmallComponentsAreLeftOut)
   EXPECT_EQ(statistics.census.components, 1u) << "the largest stays";
 }
 
-TEST(MeshExtraction, NumberOfTrianglesCanBeLimited)
-{
+TEST(MeshExtraction, NumberOfTrianglesCanBeLimited) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kTorus, 10000, 0));
   MeshParams params;
   double last = 0;
@@ -262,8 +244,7 @@ TEST(MeshExtraction, NumberOfTrianglesCanBeLimited)
   EXPECT_TRUE(none.vertices.empty());
 }
 
-TEST(MeshExtraction, FewTrianglesKeepTheBorder)
-{
+TEST(MeshExtraction, FewTrianglesKeepTheBorder) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kRelief, 10000, 0));
   MeshParams params;
   params.max_triangles = 3000;
@@ -280,15 +261,12 @@ TEST(MeshExtraction, FewTrianglesKeepTheBorder)
 }
 
 template <typename T>
-void
-expectSameBytes(const std::vector<T>& a, const std::vector<T>& b)
-{
+void expectSameBytes(const std::vector<T>& a, const std::vector<T>& b) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(T)), 0);
 }
 
-TEST(MeshExtraction, GivesTheSameBytesForAnyNumberOfThreads)
-{
+TEST(MeshExtraction, GivesTheSameBytesForAnyNumberOfThreads) {
   for (const bool normals : {true, false}) {
     Cloud cloud = pcl_slim_test::sceneCloud(Shape::kRelief, 15000, 0.001);
     if (!normals) cloud = cloud.withoutNormals();
@@ -309,8 +287,7 @@ TEST(MeshExtraction, GivesTheSameBytesForAnyNumberOfThreads)
   }
 }
 
-TEST(MeshExtraction, KeepsWorldCoordinates)
-{
+TEST(MeshExtraction, KeepsWorldCoordinates) {
   Cloud cloud = pcl_slim_test::sceneCloud(Shape::kSphere, 5000, 0);
   for (std::size_t i = 0; i < cloud.points.size(); i += 3) {
     cloud.points[i] += 500000;
@@ -323,8 +300,7 @@ TEST(MeshExtraction, KeepsWorldCoordinates)
   }
 }
 
-TEST(MeshExtraction, NamesBadArguments)
-{
+TEST(MeshExtraction, NamesBadArguments) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kSphere, 2000, 0));
   TriangleMesh mesh;
   mesh.vertices.resize(3);
@@ -348,8 +324,7 @@ TEST(MeshExtraction, NamesBadArguments)
   EXPECT_TRUE(extractMesh(broken, {}, mesh));
 }
 
-TEST(MeshExtraction, CanBeCancelled)
-{
+TEST(MeshExtraction, CanBeCancelled) {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kSphere, 5000, 0));
   for (const char* stage : {"dividing cells", "contouring", "smoothing triangles"}) {
     Progress* running = nullptr;
@@ -363,8 +338,7 @@ TEST(MeshExtraction, CanBeCancelled)
   }
 }
 
-TEST(MeshExtraction, FewPointsGiveAMesh)
-{
+TEST(MeshExtraction, FewPointsGiveAMesh) {
   MeshStatistics statistics;
   const TriangleMesh mesh =
       extract(surfaceOf(pcl_slim_test::sceneCloud(Shape::kSphere, 60, 0)), {}, statistics);

@@ -9,8 +9,8 @@
 
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
-#include "vertices/surface_vertices.h"
 #include "support/clouds.h"
+#include "vertices/surface_vertices.h"
 
 namespace {
 
@@ -21,18 +21,16 @@ using pcl_slim_test::Cloud;
 struct Box {
   Vector3 half = {1, 0.8, 0.6};
 
-  /** Signed distance, exact but outside beyond edges, where it is that from the nearest side's plane. */
-  double distance(const Vector3& p) const
-  {
+  /** Signed distance, exact but outside beyond edges, where it is that from the nearest side's
+   * plane. */
+  double distance(const Vector3& p) const {
     double most = -1e9;
     for (std::size_t a = 0; a < 3; ++a) most = std::max(most, std::abs(p[a]) - half[a]);
     return most;
   }
 };
 
-SLIMSurface
-fit(const Cloud& cloud, bool sharp)
-{
+SLIMSurface fit(const Cloud& cloud, bool sharp) {
   FitParams params;
   params.threads = 2;
   params.sharp_features = sharp;
@@ -42,9 +40,8 @@ fit(const Cloud& cloud, bool sharp)
   return surface;
 }
 
-TriangleMesh
-meshOf(const SLIMSurface& rounded, const MeshParams& params, MeshStatistics& statistics)
-{
+TriangleMesh meshOf(const SLIMSurface& rounded, const MeshParams& params,
+                    MeshStatistics& statistics) {
   TriangleMesh mesh;
   const Error error = extractMesh(rounded, params, mesh, &statistics);
   EXPECT_FALSE(error) << error.message;
@@ -52,9 +49,7 @@ meshOf(const SLIMSurface& rounded, const MeshParams& params, MeshStatistics& sta
 }
 
 /** Distance from a corner of the box to the nearest vertex, the largest of all eight. */
-double
-farthestCorner(const Box& box, const TriangleMesh& mesh)
-{
+double farthestCorner(const Box& box, const TriangleMesh& mesh) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {
     Vector3 c = box.half;
@@ -66,8 +61,7 @@ farthestCorner(const Box& box, const TriangleMesh& mesh)
   return most;
 }
 
-TEST(MeshSharpening, ABoxGetsItsEdgesAndCorners)
-{
+TEST(MeshSharpening, ABoxGetsItsEdgesAndCorners) {
   const Box box;
   for (const double noise : {0.0, 0.004}) {
     const Cloud cloud = pcl_slim_test::boxCloud(box.half, 12000, noise);
@@ -100,9 +94,9 @@ TEST(MeshSharpening, ABoxGetsItsEdgesAndCorners)
   }
 }
 
-/** Its rim is rounded off so far that no leaf of the sharp fit reaches some of the mesh's vertices. */
-TEST(MeshSharpening, ARimIsWhole)
-{
+/** Its rim is rounded off so far that no leaf of the sharp fit reaches some of the mesh's vertices.
+ */
+TEST(MeshSharpening, ARimIsWhole) {
   Cloud cloud;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -131,8 +125,7 @@ TEST(MeshSharpening, ARimIsWhole)
       << "parts of three degrees without a vertex";
 }
 
-TEST(MeshSharpening, FewTrianglesKeepTheCorners)
-{
+TEST(MeshSharpening, FewTrianglesKeepTheCorners) {
   const Box box;
   const Cloud cloud = pcl_slim_test::boxCloud(box.half, 12000, 0);
   const SLIMSurface rounded = fit(cloud, false), sharp = fit(cloud, true);
@@ -146,8 +139,7 @@ TEST(MeshSharpening, FewTrianglesKeepTheCorners)
   EXPECT_LT(farthestCorner(box, mesh), 0.005);
 }
 
-TEST(MeshSharpening, GivesTheSameBytesForAnyNumberOfThreads)
-{
+TEST(MeshSharpening, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud cloud = pcl_slim_test::boxCloud(Box().half, 6000, 0.004);
   const SLIMSurface rounded = fit(cloud, false), sharp = fit(cloud, true);
   MeshParams params;
@@ -164,8 +156,7 @@ TEST(MeshSharpening, GivesTheSameBytesForAnyNumberOfThreads)
   EXPECT_EQ(first.triangles, second.triangles);
 }
 
-TEST(MeshSharpening, NeedsASurfaceWithSides)
-{
+TEST(MeshSharpening, NeedsASurfaceWithSides) {
   const Cloud cloud = pcl_slim_test::boxCloud(Box().half, 3000, 0);
   const SLIMSurface rounded = fit(cloud, false), sideless = fit(cloud.withoutNormals(), false);
   MeshParams params;
@@ -175,8 +166,7 @@ TEST(MeshSharpening, NeedsASurfaceWithSides)
   EXPECT_TRUE(mesh.vertices.empty());
 }
 
-TEST(Crease, IsWherePlanesMeetNextToAPlace)
-{
+TEST(Crease, IsWherePlanesMeetNextToAPlace) {
   using detail::Plane;
   const Plane planes[3] = {{{0, 0, 1}, {0, 0, 1}}, {{0, 2, 5}, {0, 1, 0}}, {{3, 9, 9}, {1, 0, 0}}};
   Vector3 place;

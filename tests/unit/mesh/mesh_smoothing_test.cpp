@@ -13,18 +13,14 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim_test;
 
-double
-sphereError(const std::vector<Vector3>& vertices, const Vector3& middle = {})
-{
+double sphereError(const std::vector<Vector3>& vertices, const Vector3& middle = {}) {
   double sum = 0;
   for (const Vector3& p : vertices) sum += std::pow(length(subtract(p, middle)) - 1, 2);
   return std::sqrt(sum / static_cast<double>(vertices.size()));
 }
 
 /** Greatest coordinate less 1: how far a vertex is off a side of the cube. */
-double
-cubeError(const std::vector<Vector3>& vertices)
-{
+double cubeError(const std::vector<Vector3>& vertices) {
   double sum = 0;
   for (const Vector3& p : vertices) {
     sum += std::pow(std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) - 1, 2);
@@ -32,18 +28,15 @@ cubeError(const std::vector<Vector3>& vertices)
   return std::sqrt(sum / static_cast<double>(vertices.size()));
 }
 
-SmoothedMesh
-smoothed(const TestMesh& mesh, const MeshSmoothParams& params = {},
-         MeshSmoothStatistics* s = nullptr)
-{
+SmoothedMesh smoothed(const TestMesh& mesh, const MeshSmoothParams& params = {},
+                      MeshSmoothStatistics* s = nullptr) {
   SmoothedMesh made;
   const Error error = smoothMesh(mesh.view(), mesh.faces, params, nullptr, made, s);
   EXPECT_FALSE(error) << error.message;
   return made;
 }
 
-TEST(MeshSmoothing, ASphereLosesItsNoise)
-{
+TEST(MeshSmoothing, ASphereLosesItsNoise) {
   for (const bool squares : {false, true}) {
     TestMesh sphere = sphereMesh(24, squares);
     addNoise(0.01, sphere);
@@ -61,8 +54,7 @@ TEST(MeshSmoothing, ASphereLosesItsNoise)
   }
 }
 
-TEST(MeshSmoothing, ACubeKeepsItsEdges)
-{
+TEST(MeshSmoothing, ACubeKeepsItsEdges) {
   TestMesh cube = cubeMesh(24);
   addNoise(0.012, cube);
   MeshSmoothStatistics s;
@@ -76,8 +68,7 @@ TEST(MeshSmoothing, ACubeKeepsItsEdges)
   EXPECT_FALSE(s.sharp);
 }
 
-TEST(MeshSmoothing, AsThePaperHasIt)
-{
+TEST(MeshSmoothing, AsThePaperHasIt) {
   TestMesh sphere = sphereMesh(24);
   addNoise(0.005, sphere);
   MeshSmoothParams params;
@@ -89,8 +80,7 @@ TEST(MeshSmoothing, AsThePaperHasIt)
   EXPECT_GT(s.fit.leaves, 0u);
 }
 
-TEST(MeshSmoothing, PlaceAndSizeDoNotMatter)
-{
+TEST(MeshSmoothing, PlaceAndSizeDoNotMatter) {
   TestMesh sphere = sphereMesh(16);
   addNoise(0.01, sphere);
   const SmoothedMesh near = smoothed(sphere);
@@ -104,8 +94,7 @@ TEST(MeshSmoothing, PlaceAndSizeDoNotMatter)
   }
 }
 
-TEST(MeshSmoothing, ThreadsChangeNothing)
-{
+TEST(MeshSmoothing, ThreadsChangeNothing) {
   TestMesh cube = cubeMesh(20);
   addNoise(0.01, cube);
   MeshSmoothParams params;
@@ -119,8 +108,7 @@ TEST(MeshSmoothing, ThreadsChangeNothing)
   }
 }
 
-TEST(MeshSmoothing, WhatCannotMoveStays)
-{
+TEST(MeshSmoothing, WhatCannotMoveStays) {
   TestMesh sphere = sphereMesh(12);
   addNoise(0.01, sphere);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -143,8 +131,7 @@ TEST(MeshSmoothing, WhatCannotMoveStays)
   for (std::size_t v = 0; v < bad; ++v) EXPECT_NEAR(length(made.vertices[v]), 1, 0.05);
 }
 
-TEST(MeshSmoothing, FlatFacesWithoutAreaAndBranchesDoNoHarm)
-{
+TEST(MeshSmoothing, FlatFacesWithoutAreaAndBranchesDoNoHarm) {
   TestMesh cube = cubeMesh(10);
   addNoise(0.01, cube);
   // A face along an edge of another has no area; one that stands on an edge makes it branch.
@@ -163,8 +150,7 @@ TEST(MeshSmoothing, FlatFacesWithoutAreaAndBranchesDoNoHarm)
   }
 }
 
-TEST(MeshSmoothing, BadInputIsNamed)
-{
+TEST(MeshSmoothing, BadInputIsNamed) {
   const TestMesh cube = cubeMesh(3);
   SmoothedMesh made;
   const auto message = [&](const CloudView& view, const MeshFaces& faces,
@@ -188,8 +174,7 @@ TEST(MeshSmoothing, BadInputIsNamed)
   EXPECT_NE(message(cube.view(), cube.faces, params).find("degree"), std::string::npos);
 }
 
-TEST(MeshSmoothing, ATriangleAloneIsNoSurface)
-{
+TEST(MeshSmoothing, ATriangleAloneIsNoSurface) {
   TestMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::uint32_t corners[] = {0, 1, 2};
@@ -200,8 +185,7 @@ TEST(MeshSmoothing, ATriangleAloneIsNoSurface)
   EXPECT_TRUE(made.vertices.empty());
 }
 
-TEST(MeshSmoothing, StopsWhenAsked)
-{
+TEST(MeshSmoothing, StopsWhenAsked) {
   TestMesh cube = cubeMesh(12);
   Progress progress;
   progress.cancel();

@@ -18,11 +18,9 @@ constexpr double kRadius = 40, kGolden = 0.6180339887498949;
 constexpr std::size_t kPoints = 4000;
 const Vector3 kMiddle = {5000, -300, 20};
 
-/** A sphere without noise far from the origin; the point in front of it has no coordinates, that behind it is far
- * from all others. */
-pcl_slim_test::Cloud
-sphereBetweenStrangers()
-{
+/** A sphere without noise far from the origin; the point in front of it has no coordinates, that
+ * behind it is far from all others. */
+pcl_slim_test::Cloud sphereBetweenStrangers() {
   pcl_slim_test::Cloud cloud;
   cloud.add(0, std::numeric_limits<double>::quiet_NaN(), 0);
   for (std::size_t i = 0; i < kPoints; ++i) {
@@ -37,9 +35,7 @@ sphereBetweenStrangers()
   return cloud;
 }
 
-SLIMSurface
-surfaceOf(const CloudView& cloud)
-{
+SLIMSurface surfaceOf(const CloudView& cloud) {
   SLIMSurface surface;
   const auto store = PointStore::build(cloud, 1);
   EXPECT_TRUE(store);
@@ -50,8 +46,7 @@ surfaceOf(const CloudView& cloud)
   return surface;
 }
 
-TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud)
-{
+TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud) {
   const pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
   const SLIMSurface surface = surfaceOf(cloud.view());
   CloudProjectionParams params;
@@ -75,8 +70,7 @@ TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud)
   }
 }
 
-TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores)
-{
+TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores) {
   const pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
   const SLIMSurface surface = surfaceOf(cloud.view());
   auto store = PointStore::build(cloud.view(), 1);
@@ -96,8 +90,7 @@ TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores)
   EXPECT_LT(projected->statistics().max_displacement, 1e-3 * kRadius);
 }
 
-TEST(CloudProjection, RefusesASurfaceOfAnotherCloud)
-{
+TEST(CloudProjection, RefusesASurfaceOfAnotherCloud) {
   const pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
   const SLIMSurface surface = surfaceOf(cloud.view());
   pcl_slim_test::Cloud elsewhere;

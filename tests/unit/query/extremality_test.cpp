@@ -14,9 +14,7 @@ using namespace pcl_slim_test;
 
 constexpr double kA = 1.0, kB = 1.6;  // semi-axes: across and along z
 
-Cloud
-spheroid(std::size_t count)
-{
+Cloud spheroid(std::size_t count) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> gauss;
   Cloud cloud;
@@ -31,26 +29,22 @@ spheroid(std::size_t count)
   return cloud;
 }
 
-/** Of the meridian through height z: curvature a b / m^3, derivative 3 a b (b^2 - a^2) s c / m^6. */
-double
-meridianDerivative(double z)
-{
+/** Of the meridian through height z: curvature a b / m^3, derivative 3 a b (b^2 - a^2) s c / m^6.
+ */
+double meridianDerivative(double z) {
   const double s = z / kB, c = std::sqrt(std::max(0.0, 1.0 - s * s));
   const double m_sq = kA * kA * s * s + kB * kB * c * c;
   return 3 * kA * kB * (kB * kB - kA * kA) * s * c / (m_sq * m_sq * m_sq);
 }
 
-Projection
-projected(const Fitted& f, const ProjectionParams& params)
-{
+Projection projected(const Fitted& f, const ProjectionParams& params) {
   Projection projection;
   const Error error = projectPoints(f.store, f.surface, params, projection);
   EXPECT_FALSE(error) << error.message;
   return projection;
 }
 
-TEST(Extremality, OfASpheroidIsItsMeridiansAndNoneAlongParallels)
-{
+TEST(Extremality, OfASpheroidIsItsMeridiansAndNoneAlongParallels) {
   const Fitted f = fitted(spheroid(20000));
   ProjectionParams params;
   params.extremality = true;
@@ -71,8 +65,7 @@ TEST(Extremality, OfASpheroidIsItsMeridiansAndNoneAlongParallels)
   EXPECT_LT(std::sqrt(parallel_sq / truth_sq), 0.02);
 }
 
-TEST(Extremality, IsAbsentUnlessAsked)
-{
+TEST(Extremality, IsAbsentUnlessAsked) {
   const Fitted f = fitted(spheroid(3000));
   ProjectionParams params;
   params.directions = true;

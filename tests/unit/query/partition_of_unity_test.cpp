@@ -18,8 +18,7 @@ using lab::PartitionOfUnity;
 
 class PartitionOfUnityKernels : public testing::TestWithParam<WeightKernel> {};
 
-TEST_P(PartitionOfUnityKernels, DerivativesAreThoseOfItsValue)
-{
+TEST_P(PartitionOfUnityKernels, DerivativesAreThoseOfItsValue) {
   Fitted f = fitted(sceneCloud(Shape::kTorus, 4000, 0.001));
   f.surface.info.blend_kernel = GetParam();
   const PartitionOfUnity unity(f.surface);
@@ -50,8 +49,7 @@ INSTANTIATE_TEST_SUITE_P(All, PartitionOfUnityKernels,
                          testing::Values(WeightKernel::kPower2, WeightKernel::kPower4,
                                          WeightKernel::kPower7, WeightKernel::kGaussian));
 
-TEST(PartitionOfUnity, LosesToBlendedDerivativesAtLowNoise)
-{
+TEST(PartitionOfUnity, LosesToBlendedDerivativesAtLowNoise) {
   const Fitted f = fitted(sceneCloud(Shape::kBumpy, 20000, 0.0001));
   ProjectionParams params;
   params.curvature = true;

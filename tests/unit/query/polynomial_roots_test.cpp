@@ -15,9 +15,7 @@ using namespace detail;
 namespace {
 
 /** \brief Coefficients of the product of (x - root) over the given roots, times a factor. */
-std::array<double, 5>
-fromRoots(const std::vector<double>& roots, double factor)
-{
+std::array<double, 5> fromRoots(const std::vector<double>& roots, double factor) {
   std::array<double, 5> a{factor, 0.0, 0.0, 0.0, 0.0};
   std::size_t degree = 0;
   for (const double root : roots) {
@@ -28,8 +26,7 @@ fromRoots(const std::vector<double>& roots, double factor)
   return a;
 }
 
-TEST(PolynomialRoots, FindsEveryKnownRootInOrder)
-{
+TEST(PolynomialRoots, FindsEveryKnownRootInOrder) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1.5, 1.5);
   for (int round = 0; round < 20000; ++round) {
@@ -56,8 +53,7 @@ TEST(PolynomialRoots, FindsEveryKnownRootInOrder)
   }
 }
 
-TEST(PolynomialRoots, DegenerateCoefficientsGiveNoNonsense)
-{
+TEST(PolynomialRoots, DegenerateCoefficientsGiveNoNonsense) {
   const double constant[5] = {1.0, 0.0, 0.0, 0.0, 0.0};
   const double line[5] = {-0.25, 0.5, 0.0, 0.0, 0.0};
   Roots none, one;
@@ -76,8 +72,7 @@ TEST(PolynomialRoots, DegenerateCoefficientsGiveNoNonsense)
   EXPECT_EQ(vertex.at[0], 0.0);
 }
 
-TEST(PolynomialRoots, ObviousRootIsTheNearestOne)
-{
+TEST(PolynomialRoots, ObviousRootIsTheNearestOne) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int obvious = 0;

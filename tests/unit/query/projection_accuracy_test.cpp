@@ -13,15 +13,12 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** A tilted square. */
-Cloud
-plane(std::size_t count)
-{
+Cloud plane(std::size_t count) {
   return pcl_slim_test::heightField(count, 91,
                                     [](double x, double y) { return 0.3 * x - 0.7 * y + 2.0; });
 }
 
-TEST(Projection, LeavesAPlaneAPlane)
-{
+TEST(Projection, LeavesAPlaneAPlane) {
   const double length = std::sqrt(1.0 + 0.3 * 0.3 + 0.7 * 0.7);
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     for (const bool normals : {false, true}) {
@@ -52,10 +49,9 @@ TEST(Projection, LeavesAPlaneAPlane)
   }
 }
 
-/** The share of the noise that one leaf takes up [RMS]: P coefficients follow P / n_eff of its variance. */
-double
-shareOfNoise(const Fitted& f)
-{
+/** The share of the noise that one leaf takes up [RMS]: P coefficients follow P / n_eff of its
+ * variance. */
+double shareOfNoise(const Fitted& f) {
   double coefficients = 0, points = 0;
   for (const std::uint32_t i : f.surface.leaves()) {
     coefficients += numCoefficients(f.surface.degree[i]);
@@ -65,9 +61,7 @@ shareOfNoise(const Fitted& f)
 }
 
 /** Mean of 1 / r over the leaves, world units, each counted by its points. */
-double
-meanInverseRadius(const Fitted& f)
-{
+double meanInverseRadius(const Fitted& f) {
   double sum = 0, weight = 0;
   for (const std::uint32_t i : f.surface.leaves()) {
     sum += f.surface.effective_count[i] / f.surface.radius[i];
@@ -76,11 +70,10 @@ meanInverseRadius(const Fitted& f)
   return sum / weight / f.store.scale();
 }
 
-TEST(Projection, LeavesTheNoiseThatCoefficientsTakeUp)
-{
-  // Leaves that overlap average their errors, which leaves room for bias. A Legendre polynomial of degree d has
-  // slopes sqrt(d (d + 1)) times its values (RMS, weighted by 1 - s^2). The relief's fine wave is less than the
-  // noise: its slopes are lost.
+TEST(Projection, LeavesTheNoiseThatCoefficientsTakeUp) {
+  // Leaves that overlap average their errors, which leaves room for bias. A Legendre polynomial of
+  // degree d has slopes sqrt(d (d + 1)) times its values (RMS, weighted by 1 - s^2). The relief's
+  // fine wave is less than the noise: its slopes are lost.
   const double noise = 0.001, slope = std::sqrt(kMaxDegree * (kMaxDegree + 1.0));
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
     for (const bool normals : {true, false}) {
@@ -106,9 +99,9 @@ struct Expected {
   double curvature;  ///< relative
 };
 
-// Bias alone: ConvergesWithItsDegree shows how it falls with the spacing, these values at 20,000 points.
-TEST(Projection, IsOnExactSurfacesWithoutNoise)
-{
+// Bias alone: ConvergesWithItsDegree shows how it falls with the spacing, these values at 20,000
+// points.
+TEST(Projection, IsOnExactSurfacesWithoutNoise) {
   const Expected table[] = {
       {Shape::kSphere, 2e-8, 1.5e-6, 2e-5},
       {Shape::kTorus, 1.3e-8, 8e-6, 1.6e-4},
@@ -133,8 +126,7 @@ TEST(Projection, IsOnExactSurfacesWithoutNoise)
   }
 }
 
-TEST(Projection, TakesNoiseAway)
-{
+TEST(Projection, TakesNoiseAway) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     const double noise = 0.005;
     const auto scene = measure::makeScene(shape, 20000, noise, 0.05, 7);
@@ -146,8 +138,7 @@ TEST(Projection, TakesNoiseAway)
   }
 }
 
-TEST(Projection, FlingsNoPoint)
-{
+TEST(Projection, FlingsNoPoint) {
   // No point of ten thousand moves farther than noise can have thrown it.
   const double noise = 0.001;
   for (const Shape shape : {Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
@@ -170,8 +161,7 @@ TEST(Projection, FlingsNoPoint)
   }
 }
 
-TEST(Projection, NeedsNoNormals)
-{
+TEST(Projection, NeedsNoNormals) {
   for (const double noise : {0.0, 0.001}) {
     const Cloud cloud = sceneCloud(Shape::kBumpy, 20000, noise, 0.05);
     const auto with = errorsOf(Shape::kBumpy, fitted(cloud));
@@ -181,8 +171,7 @@ TEST(Projection, NeedsNoNormals)
   }
 }
 
-TEST(Projection, ConvergesWithItsDegree)
-{
+TEST(Projection, ConvergesWithItsDegree) {
   // Four times the points halve their spacing h; normals gain 2^d of a fit of degree d.
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     FitParams params;
@@ -197,8 +186,7 @@ TEST(Projection, ConvergesWithItsDegree)
   }
 }
 
-TEST(Projection, RefusesASurfaceWithoutScale)
-{
+TEST(Projection, RefusesASurfaceWithoutScale) {
   auto f = fitted(sceneCloud(Shape::kSphere, 1000, 0.0));
   f.surface.info.scale = 0.0;
   Projection projection;
@@ -208,8 +196,7 @@ TEST(Projection, RefusesASurfaceWithoutScale)
   EXPECT_TRUE(projection.position.empty());
 }
 
-TEST(Projection, MovesOtherPointsOntoTheSurfaceToo)
-{
+TEST(Projection, MovesOtherPointsOntoTheSurfaceToo) {
   // Fitted to one half of the points, asked about the other.
   const Cloud all = sceneCloud(Shape::kTorus, 20000, 0.0);
   std::vector<std::int32_t> even, odd;
@@ -231,8 +218,7 @@ TEST(Projection, MovesOtherPointsOntoTheSurfaceToo)
   EXPECT_LT(errorsOf(Shape::kTorus, f).normal, 1e-3);
 }
 
-TEST(Projection, StopsWhenAsked)
-{
+TEST(Projection, StopsWhenAsked) {
   auto f = fitted(sceneCloud(Shape::kSphere, 3000, 0.0));
   Progress progress;
   progress.cancel();
@@ -242,8 +228,7 @@ TEST(Projection, StopsWhenAsked)
   EXPECT_TRUE(f.projection.position.empty());
 }
 
-TEST(Projection, OntoNothingKeepsEveryPoint)
-{
+TEST(Projection, OntoNothingKeepsEveryPoint) {
   auto f = fitted(sceneCloud(Shape::kSphere, 300, 0.0));
   f.surface.clear();
   ASSERT_FALSE(projectPoints(f.store, f.surface, ProjectionParams(), f.projection));

@@ -13,9 +13,7 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** A sphere's points and normals, turned by sign, with another radius and place. */
-Cloud
-sphere(double radius, double sign)
-{
+Cloud sphere(double radius, double sign) {
   Cloud cloud = sceneCloud(Shape::kSphere, 4000, 0.0);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     cloud.points[i] = 1000.0 + radius * cloud.points[i];
@@ -24,8 +22,7 @@ sphere(double radius, double sign)
   return cloud;
 }
 
-TEST(Curvature, OfASphereIsOneOverItsRadius)
-{
+TEST(Curvature, OfASphereIsOneOverItsRadius) {
   for (const double radius : {0.02, 1.0, 37.0}) {
     for (const double sign : {1.0, -1.0}) {
       const auto f = fitted(sphere(radius, sign), {}, true);
@@ -38,8 +35,7 @@ TEST(Curvature, OfASphereIsOneOverItsRadius)
   }
 }
 
-TEST(Curvature, OfATorusHasBothSigns)
-{
+TEST(Curvature, OfATorusHasBothSigns) {
   const double major = 1.0, minor = 0.4;
   const auto f = fitted(sceneCloud(Shape::kTorus, 20000, 0.0), {}, true);
   const double scale = f.store.scale();
@@ -56,8 +52,7 @@ TEST(Curvature, OfATorusHasBothSigns)
   EXPECT_LT(std::sqrt(gauss_off / n), 0.015);
 }
 
-TEST(Curvature, OfASaddleAndACylinder)
-{
+TEST(Curvature, OfASaddleAndACylinder) {
   // z = x y / 2 bends both ways; z = sqrt(4 - x^2) bends away from its upper side, one way only.
   const auto saddle =
       fitted(pcl_slim_test::heightField(8000, 95, [](double x, double y) { return 0.5 * x * y; }),
@@ -80,8 +75,7 @@ TEST(Curvature, OfASaddleAndACylinder)
   }
 }
 
-TEST(Curvature, IsLeftOutUnlessAskedFor)
-{
+TEST(Curvature, IsLeftOutUnlessAskedFor) {
   EXPECT_TRUE(fitted(sceneCloud(Shape::kSphere, 500, 0.0)).projection.curvature.empty());
 }
 

@@ -15,9 +15,7 @@ using namespace pcl_slim_test;
 constexpr float kRadius = 0.2f;
 
 /** Level leaves about the store's origin, turned about z in steps: some open, some closed. */
-SLIMSurface
-levelLeaves(const PointStore& store, std::size_t count)
-{
+SLIMSurface levelLeaves(const PointStore& store, std::size_t count) {
   SLIMSurface surface;
   surface.info.degree = 1;
   surface.info.oriented = true;
@@ -37,9 +35,7 @@ levelLeaves(const PointStore& store, std::size_t count)
 }
 
 /** The share outside at a place of the plane, as docs/theory.md has it ("Borders"). */
-double
-outsideOf(const SLIMSurface& surface, double x, double y)
-{
+double outsideOf(const SLIMSurface& surface, double x, double y) {
   double weight = 0.0, outside = 0.0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
@@ -52,8 +48,7 @@ outsideOf(const SLIMSurface& surface, double x, double y)
   return weight > 0.0 ? outside / weight : 1.0;
 }
 
-TEST(ProjectionInside, IsWhatTheTrimMapsSay)
-{
+TEST(ProjectionInside, IsWhatTheTrimMapsSay) {
   const PointStore store = storeOf(heightField(20000, 5, [](double, double) { return 0.0; }));
   for (const std::size_t count : {2u, 3u, 40u}) {
     SLIMSurface surface = levelLeaves(store, count);
@@ -77,8 +72,7 @@ TEST(ProjectionInside, IsWhatTheTrimMapsSay)
   }
 }
 
-TEST(ProjectionInside, MovesNothing)
-{
+TEST(ProjectionInside, MovesNothing) {
   const PointStore store = storeOf(heightField(5000, 6, [](double, double) { return 0.0; }));
   SLIMSurface surface = levelLeaves(store, 9);
   surface.info.oriented = false;

@@ -12,16 +12,12 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-double
-dot(const std::array<float, 3>& a, const std::array<float, 3>& b)
-{
+double dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return static_cast<double>(a[0]) * b[0] + static_cast<double>(a[1]) * b[1] +
          static_cast<double>(a[2]) * b[2];
 }
 
-Projection
-projected(const PointStore& store, const SLIMSurface& surface)
-{
+Projection projected(const PointStore& store, const SLIMSurface& surface) {
   ProjectionParams params;
   params.directions = true;
   params.threads = 1;
@@ -31,8 +27,7 @@ projected(const PointStore& store, const SLIMSurface& surface)
   return projection;
 }
 
-TEST(PrincipalFrame, AreTheRootsOfMeanAndGaussian)
-{
+TEST(PrincipalFrame, AreTheRootsOfMeanAndGaussian) {
   const Fitted f = fitted(sceneCloud(Shape::kBumpy, 8000, 0.0));
   const Projection p = projected(f.store, f.surface);
   ASSERT_EQ(p.principal.size(), f.store.size());
@@ -51,8 +46,7 @@ TEST(PrincipalFrame, AreTheRootsOfMeanAndGaussian)
   }
 }
 
-TEST(PrincipalFrame, OfASaddleLieAlongItsAxes)
-{
+TEST(PrincipalFrame, OfASaddleLieAlongItsAxes) {
   // z = (x^2 - 3 y^2) / 4: at the middle -1/2 along x and 3/2 along y for the normal +z.
   Cloud cloud = heightField(6000, 3, [](double x, double y) { return (x * x - 3 * y * y) / 4; });
   FitParams params;
@@ -73,8 +67,7 @@ TEST(PrincipalFrame, OfASaddleLieAlongItsAxes)
   EXPECT_GT(tested, 0u);
 }
 
-TEST(Projection, ServesPartOfACloudAsTheWhole)
-{
+TEST(Projection, ServesPartOfACloudAsTheWhole) {
   const Cloud whole = sceneCloud(Shape::kTorus, 20000, 0.001);
   const Fitted f = fitted(whole);
   Cloud part;  // a corner: another box, hence another origin and scale
@@ -101,8 +94,7 @@ TEST(Projection, ServesPartOfACloudAsTheWhole)
   }
 }
 
-TEST(Projection, LeavesPointsElsewhereAlone)
-{
+TEST(Projection, LeavesPointsElsewhereAlone) {
   const Fitted f = fitted(sceneCloud(Shape::kSphere, 2000, 0.0));
   Cloud elsewhere = sceneCloud(Shape::kSphere, 500, 0.0);
   for (double& value : elsewhere.points) value = 40.0 + 0.5 * value;

@@ -13,9 +13,7 @@ namespace {
 constexpr float kRadius = 0.125f, kOffset = 0.0125f;  // local units; a tenth of the radius
 
 /** Two level leaves about the store's origin, the second kOffset above the first. */
-SLIMSurface
-twoLeaves(const PointStore& store, float error, float other_error, double noise)
-{
+SLIMSurface twoLeaves(const PointStore& store, float error, float other_error, double noise) {
   SLIMSurface surface;
   surface.info.degree = 1;
   surface.info.oriented = true;
@@ -37,9 +35,7 @@ twoLeaves(const PointStore& store, float error, float other_error, double noise)
 }
 
 /** How far the point nearest to the leaves' centre is lifted, local units. */
-double
-lift(const PointStore& store, const SLIMSurface& surface, bool paper)
-{
+double lift(const PointStore& store, const SLIMSurface& surface, bool paper) {
   ProjectionParams params;
   params.paper_mode = paper;
   Projection projection;
@@ -59,14 +55,12 @@ class ProjectionVarianceWeight : public testing::Test {
       pcl_slim_test::heightField(4000, 5, [](double, double) { return 0.0; }));
 };
 
-TEST_F(ProjectionVarianceWeight, LeavesThatFitDownToTheNoiseCountAlike)
-{
+TEST_F(ProjectionVarianceWeight, LeavesThatFitDownToTheNoiseCountAlike) {
   const double share = lift(store_, twoLeaves(store_, 0.02f, 0.02f, 0.02), false) / kOffset;
   EXPECT_NEAR(share, 0.49, 0.01);  // the second's root is a little farther from its centre
 }
 
-TEST_F(ProjectionVarianceWeight, ALeafThatDoesNotFitCountsByItsVariance)
-{
+TEST_F(ProjectionVarianceWeight, ALeafThatDoesNotFitCountsByItsVariance) {
   const double noise = 0.004, good = 0.004, bad = 0.02;
   const double variance = noise * noise + std::pow(1e-3 * kRadius, 2);
   const double first = variance / (variance + good * good);
@@ -76,8 +70,7 @@ TEST_F(ProjectionVarianceWeight, ALeafThatDoesNotFitCountsByItsVariance)
   EXPECT_NEAR(lift(store_, surface, true) / kOffset, 0.49, 0.01) << "as printed, it counts in full";
 }
 
-TEST_F(ProjectionVarianceWeight, ThePartitionOfUnityWeighsAlike)
-{
+TEST_F(ProjectionVarianceWeight, ThePartitionOfUnityWeighsAlike) {
   const double noise = 0.004, good = 0.004, bad = 0.02;
   SLIMSurface surface = twoLeaves(store_, static_cast<float>(good), static_cast<float>(bad), noise);
   // Both weigh alike at their common centre but for what they leave: f is 0 and -kOffset there.
@@ -94,8 +87,7 @@ TEST_F(ProjectionVarianceWeight, ThePartitionOfUnityWeighsAlike)
   EXPECT_NEAR(share(), 0.5, 1e-4);
 }
 
-TEST_F(ProjectionVarianceWeight, ExactFitsAreNotToldApartByRounding)
-{
+TEST_F(ProjectionVarianceWeight, ExactFitsAreNotToldApartByRounding) {
   const double share = lift(store_, twoLeaves(store_, 0.02f, 0.02f, 0), false) / kOffset;
   EXPECT_NEAR(share, 0.49, 0.01);
   // Both far below a thousandth of the radius, a hundred times apart.

@@ -8,8 +8,7 @@ namespace {
 using namespace pcl_slim;
 using pcl_slim_test::CrestFit;
 
-TEST(SurfaceProbe, AgreesWithProjectionAtStoredPoints)
-{
+TEST(SurfaceProbe, AgreesWithProjectionAtStoredPoints) {
   const CrestFit fit("bumpy", 5000, 0);
   const ProbeIndex index(fit.fit.surface);
   SurfaceProbe probe(index);
@@ -27,7 +26,8 @@ TEST(SurfaceProbe, AgreesWithProjectionAtStoredPoints)
     probe.evaluate(request, &sample);
     ASSERT_TRUE(sample.supported);
     const PrincipalFrame& frame = fit.fit.projection.principal[i];
-    // A clean fit's own gates are narrower than a probe's, so that a leaf more may count here and there.
+    // A clean fit's own gates are narrower than a probe's, so that a leaf more may count here and
+    // there.
     for (std::size_t a = 0; a < 3; ++a) {
       EXPECT_NEAR(sample.position[a], fit.fit.projection.position[i][a], 1e-6);
       EXPECT_NEAR(sample.normal[a], n[a], 1e-4);
@@ -39,8 +39,7 @@ TEST(SurfaceProbe, AgreesWithProjectionAtStoredPoints)
   }
 }
 
-TEST(SurfaceProbe, ManyPlacesAtOnceAreAsOneByOne)
-{
+TEST(SurfaceProbe, ManyPlacesAtOnceAreAsOneByOne) {
   const CrestFit fit("ellipsoid", 5000, 0);
   const ProbeIndex index(fit.fit.surface);
   SurfaceProbe probe(index);
@@ -69,8 +68,7 @@ TEST(SurfaceProbe, ManyPlacesAtOnceAreAsOneByOne)
   }
 }
 
-TEST(SurfaceProbe, FarPlacesAreUnsupported)
-{
+TEST(SurfaceProbe, FarPlacesAreUnsupported) {
   const CrestFit fit("sphere", 2000, 0);
   const ProbeIndex index(fit.fit.surface);
   SurfaceProbe probe(index);
@@ -88,8 +86,7 @@ TEST(SurfaceProbe, FarPlacesAreUnsupported)
 }
 
 /** Distances from places off a unit sphere's surface, in its own units. */
-TEST(SurfaceProbe, DistancesAreThoseToTheSheet)
-{
+TEST(SurfaceProbe, DistancesAreThoseToTheSheet) {
   for (const bool normals : {true, false}) {
     auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kSphere, 5000, 0);
     if (!normals) cloud = cloud.withoutNormals();
@@ -130,8 +127,7 @@ TEST(SurfaceProbe, DistancesAreThoseToTheSheet)
   }
 }
 
-TEST(SurfaceProbe, TellsWhereTheDataEnd)
-{
+TEST(SurfaceProbe, TellsWhereTheDataEnd) {
   const auto fit =
       pcl_slim_test::fitted(pcl_slim_test::sceneCloud(measure::Shape::kRelief, 5000, 0));
   ASSERT_TRUE(fit.surface.hasTrimMaps());
@@ -151,8 +147,7 @@ TEST(SurfaceProbe, TellsWhereTheDataEnd)
   EXPECT_GT(inside, fit.store.size() * 98 / 100) << "points are inside";
 }
 
-TEST(SurfaceProbe, EachPlaceCanHaveASide)
-{
+TEST(SurfaceProbe, EachPlaceCanHaveASide) {
   const CrestFit fit("sphere", 3000, 0);
   const ProbeIndex index(fit.fit.surface);
   SurfaceProbe probe(index);

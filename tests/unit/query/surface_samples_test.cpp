@@ -17,9 +17,7 @@ using measure::Shape;
 using pcl_slim_test::Cloud;
 
 /** A fitted sphere of radius 2 about (10, 0, 0), without what is above z = top. */
-SLIMSurface
-sphere(double top, bool trim)
-{
+SLIMSurface sphere(double top, bool trim) {
   Cloud cloud;
   for (int i = 0; i < 8000; ++i) {
     const double z = 1 - (2 * i + 1) / 8000.0, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
@@ -30,9 +28,8 @@ sphere(double top, bool trim)
   return pcl_slim_test::fitted(cloud, params).surface;
 }
 
-SurfaceSamples
-sampled(const SLIMSurface& surface, double spacing, std::uint64_t count, int threads = 0)
-{
+SurfaceSamples sampled(const SLIMSurface& surface, double spacing, std::uint64_t count,
+                       int threads = 0) {
   SurfaceSampleParams params;
   params.spacing = spacing;
   params.count = count;
@@ -43,15 +40,11 @@ sampled(const SLIMSurface& surface, double spacing, std::uint64_t count, int thr
   return samples;
 }
 
-double
-distance(const std::array<double, 3>& a, const std::array<double, 3>& b)
-{
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-double
-nearest(const SurfaceSamples& samples, const std::array<double, 3>& p, std::size_t but)
-{
+double nearest(const SurfaceSamples& samples, const std::array<double, 3>& p, std::size_t but) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < samples.size(); ++j) {
     if (j != but) least = std::min(least, distance(samples.position[j], p));
@@ -59,11 +52,10 @@ nearest(const SurfaceSamples& samples, const std::array<double, 3>& p, std::size
   return least;
 }
 
-TEST(SurfaceSamples, AreOnTheSurfaceNoNearerThanTheSpacingAndLeaveNoGap)
-{
+TEST(SurfaceSamples, AreOnTheSurfaceNoNearerThanTheSpacingAndLeaveNoGap) {
   const SurfaceSamples samples = sampled(sphere(2, false), 0.2, 0);
-  // Discs laid at random jam at .547 of the area (Feder, J. Theor. Biol. 1980): 870; a grid of candidates
-  // leaves out some.
+  // Discs laid at random jam at .547 of the area (Feder, J. Theor. Biol. 1980): 870; a grid of
+  // candidates leaves out some.
   ASSERT_GT(samples.size(), 700u);
   ASSERT_LT(samples.size(), 900u);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -83,8 +75,7 @@ TEST(SurfaceSamples, AreOnTheSurfaceNoNearerThanTheSpacingAndLeaveNoGap)
   }
 }
 
-TEST(SurfaceSamples, AreAsManyAsAskedFor)
-{
+TEST(SurfaceSamples, AreAsManyAsAskedFor) {
   const SLIMSurface surface = sphere(2, false);
   for (const std::uint64_t count : {1u, 2u, 10u, 500u, 5000u}) {
     const SurfaceSamples samples = sampled(surface, 0, count);
@@ -97,8 +88,7 @@ TEST(SurfaceSamples, AreAsManyAsAskedFor)
   }
 }
 
-TEST(SurfaceSamples, EndWhereTheDataEnd)
-{
+TEST(SurfaceSamples, EndWhereTheDataEnd) {
   const SLIMSurface open = sphere(1, true);
   const SurfaceSamples samples = sampled(open, 0.1, 0);
   ASSERT_GT(samples.size(), 1000u);
@@ -108,8 +98,7 @@ TEST(SurfaceSamples, EndWhereTheDataEnd)
   EXPECT_GT(highest, 0.9);
 }
 
-TEST(SurfaceSamples, AreTheSameForAnyNumberOfThreadsAndOtherForAnotherSeed)
-{
+TEST(SurfaceSamples, AreTheSameForAnyNumberOfThreadsAndOtherForAnotherSeed) {
   const SLIMSurface surface = sphere(2, false);
   const SurfaceSamples one = sampled(surface, 0.3, 0, 1), four = sampled(surface, 0.3, 0, 4);
   EXPECT_EQ(one.position, four.position);
@@ -122,8 +111,7 @@ TEST(SurfaceSamples, AreTheSameForAnyNumberOfThreadsAndOtherForAnotherSeed)
   EXPECT_NE(other.position, one.position);
 }
 
-TEST(SurfaceSamples, BadInputIsAnError)
-{
+TEST(SurfaceSamples, BadInputIsAnError) {
   const SLIMSurface surface = sphere(2, false);
   const auto expect = [&](const SLIMSurface& of, const SurfaceSampleParams& params) {
     SurfaceSamples samples;

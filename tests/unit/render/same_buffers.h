@@ -8,9 +8,7 @@
 namespace pcl_slim::test {
 
 /** Every column of two pictures' buffers. */
-inline void
-expectSame(const GBuffer& a, const GBuffer& b)
-{
+inline void expectSame(const GBuffer& a, const GBuffer& b) {
   for (const auto column : {&GBuffer::depth, &GBuffer::mean_curvature, &GBuffer::gaussian_curvature,
                             &GBuffer::radius, &GBuffer::weight, &GBuffer::coverage}) {
     EXPECT_EQ(a.*column, b.*column);

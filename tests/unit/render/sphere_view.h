@@ -16,9 +16,7 @@ namespace pcl_slim::test {
 
 constexpr double kSphere = 0.25;
 
-inline Camera
-frontCamera(int width = 80, int height = 60)
-{
+inline Camera frontCamera(int width = 80, int height = 60) {
   Camera camera;
   camera.position = {0.0, 0.0, 1.2};
   camera.size = {width, height};
@@ -31,9 +29,7 @@ struct Deviation {
 };
 
 /** \brief Unit direction of a pixel's ray, computed here on its own. */
-inline std::array<double, 3>
-rayDirection(const Camera& c, int x, int y)
-{
+inline std::array<double, 3> rayDirection(const Camera& c, int x, int y) {
   const auto cross = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return std::array<double, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
                                  a[0] * b[1] - a[1] * b[0]};
@@ -54,9 +50,8 @@ rayDirection(const Camera& c, int x, int y)
 
 /** \brief Compares a buffer with the analytic sphere of world radius R about the world's origin.
  * Rays that pass within 4 % of the silhouette count as neither hit nor miss. */
-inline Deviation
-compareWithSphere(const GBuffer& buffer, const Camera& camera, double radius, double scale = 1.0)
-{
+inline Deviation compareWithSphere(const GBuffer& buffer, const Camera& camera, double radius,
+                                   double scale = 1.0) {
   Deviation worst;
   const auto& o = camera.position;
   for (int y = 0; y < buffer.height; ++y) {
@@ -88,10 +83,8 @@ compareWithSphere(const GBuffer& buffer, const Camera& camera, double radius, do
   return worst;
 }
 
-inline GBuffer
-rendered(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {},
-         RenderStatistics* statistics = nullptr)
-{
+inline GBuffer rendered(const SLIMSurface& surface, const Camera& camera,
+                        const RenderParams& params = {}, RenderStatistics* statistics = nullptr) {
   GBuffer buffer;
   const Error error = renderSurface(surface, camera, params, buffer, statistics);
   EXPECT_FALSE(error) << error.message;
@@ -99,10 +92,9 @@ rendered(const SLIMSurface& surface, const Camera& camera, const RenderParams& p
 }
 
 /** \brief The same in double, leaf by leaf and ray by ray. */
-inline GBuffer
-referenceFrame(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {},
-               RenderStatistics* statistics = nullptr)
-{
+inline GBuffer referenceFrame(const SLIMSurface& surface, const Camera& camera,
+                              const RenderParams& params = {},
+                              RenderStatistics* statistics = nullptr) {
   GBuffer buffer;
   const Error error = lab::renderReference(surface, camera, params, buffer, statistics);
   EXPECT_FALSE(error) << error.message;

@@ -13,10 +13,8 @@ namespace pcl_slim::test {
  * Each holds the Taylor polynomial of the sphere up to the degree: in units of the ball's radius r
  * h = -(r / 2R) (u^2 + v^2) - (r^3 / 8R^3) (u^2 + v^2)^2.
  */
-inline SLIMSurface
-sphereSurface(int degree, double sphere_radius, int count, double ball_radius,
-              std::array<double, 3> center = {0.0, 0.0, 0.0})
-{
+inline SLIMSurface sphereSurface(int degree, double sphere_radius, int count, double ball_radius,
+                                 std::array<double, 3> center = {0.0, 0.0, 0.0}) {
   SLIMSurface surface;
   surface.info.degree = degree;
   surface.info.oriented = true;

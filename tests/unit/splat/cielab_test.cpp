@@ -11,14 +11,11 @@
 namespace pcl_slim {
 namespace {
 
-double
-distance(const std::array<double, 3>& a, const float b[3])
-{
+double distance(const std::array<double, 3>& a, const float b[3]) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-TEST(CieLab, MeetsPublishedValuesOfSrgb)
-{
+TEST(CieLab, MeetsPublishedValuesOfSrgb) {
   // D65, 2 degrees, as colour handbooks print them.
   const struct {
     std::array<double, 3> rgb, lab;
@@ -33,8 +30,7 @@ TEST(CieLab, MeetsPublishedValuesOfSrgb)
   }
 }
 
-TEST(CieLab, PaperSpaceTakesNumbersAsLinear)
-{
+TEST(CieLab, PaperSpaceTakesNumbersAsLinear) {
   const auto grey = labFromRgb({0.5, 0.5, 0.5}, RgbSpace::kEbu);
   EXPECT_NEAR(grey[0], 116.0 * std::cbrt(0.5) - 16.0, 1e-9);
   EXPECT_NEAR(grey[1], 0.0, 1e-9);
@@ -45,8 +41,7 @@ TEST(CieLab, PaperSpaceTakesNumbersAsLinear)
   EXPECT_NEAR(red[2], 200.0 * (std::cbrt(0.2219) - std::cbrt(0.0202 / 1.0891)), 1e-9);
 }
 
-TEST(CieLab, HasNoJumpWhereTheCurvesMeet)
-{
+TEST(CieLab, HasNoJumpWhereTheCurvesMeet) {
   // Y of a grey passes the threshold here.
   const double at = 216.0 / 24389.0;
   const auto below =
@@ -57,8 +52,7 @@ TEST(CieLab, HasNoJumpWhereTheCurvesMeet)
   EXPECT_NEAR(above[0] - below[0], 0.0, 1e-6);
 }
 
-TEST(CieLab, InverseGivesTheColourBack)
-{
+TEST(CieLab, InverseGivesTheColourBack) {
   for (const RgbSpace space : {RgbSpace::kSrgb, RgbSpace::kEbu}) {
     for (int i = 0; i < 11 * 11 * 11; ++i) {
       const std::array<double, 3> rgb = {i % 11 / 10.0, i / 11 % 11 / 10.0, i / 121 / 10.0};
@@ -70,8 +64,7 @@ TEST(CieLab, InverseGivesTheColourBack)
   for (const double c : outside) EXPECT_TRUE(c >= 0.0 && c <= 1.0);
 }
 
-TEST(CieLab, TablesKeepTheirBound)
-{
+TEST(CieLab, TablesKeepTheirBound) {
   for (const RgbSpace space : {RgbSpace::kSrgb, RgbSpace::kEbu}) {
     const LabTable table(space);
     double worst = 0.0;
@@ -96,8 +89,7 @@ TEST(CieLab, TablesKeepTheirBound)
   }
 }
 
-TEST(LabTable, ColumnsAgreeWithTheExactConversion)
-{
+TEST(LabTable, ColumnsAgreeWithTheExactConversion) {
   for (const RgbSpace space : {RgbSpace::kSrgb, RgbSpace::kEbu}) {
     const LabTable table(space);
     double worst = 0;

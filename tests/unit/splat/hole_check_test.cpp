@@ -9,9 +9,7 @@ namespace {
 using namespace pcl_slim_test;
 
 /** A flat square of side 1 with count points. */
-PaintedCloud
-square(int count)
-{
+PaintedCloud square(int count) {
   PaintedCloud cloud;
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -19,9 +17,7 @@ square(int count)
   return cloud;
 }
 
-SplatSet
-oneDisc(double x, double y, double radius)
-{
+SplatSet oneDisc(double x, double y, double radius) {
   SplatSet s;
   s.resize(1, false);
   s.x[0] = static_cast<float>(x);
@@ -33,8 +29,7 @@ oneDisc(double x, double y, double radius)
   return s;
 }
 
-TEST(HoleCheck, MeasuresTheAreaOfOneDisc)
-{
+TEST(HoleCheck, MeasuresTheAreaOfOneDisc) {
   const PaintedCloud cloud = square(20000);
   const HoleCheck half = holesSeen(cloud, oneDisc(0.5, 0.5, 0.4), 60000);
   EXPECT_NEAR(1.0 - half.holes(), 3.14159265 * 0.16, 0.01);
@@ -42,8 +37,7 @@ TEST(HoleCheck, MeasuresTheAreaOfOneDisc)
   EXPECT_EQ(holesSeen(cloud, oneDisc(0.5, 0.5, 2.0), 20000).missed, 0u);
 }
 
-TEST(HoleCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
-{
+TEST(HoleCheck, SeesHolesBetweenDiscsThatHoldEveryPoint) {
   // Each disc just reaches its cell's own points, so every point is held; between them is nothing.
   const PaintedCloud cloud = painted(20000);
   SplatParams params;
@@ -54,16 +48,14 @@ TEST(HoleCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
   EXPECT_GT(holesSeen(cloud, splats, 20000).holes(), 0.01);
 }
 
-TEST(HoleCheck, DiscsFarBelowTheSurfaceDoNotCount)
-{
+TEST(HoleCheck, DiscsFarBelowTheSurfaceDoNotCount) {
   const PaintedCloud cloud = square(5000);
   SplatSet low = oneDisc(0.5, 0.5, 0.1);
   low.z[0] = -5.0f;
   EXPECT_EQ(holesSeen(cloud, low, 5000).overlap, 0.0);
 }
 
-TEST(HoleCheck, LeavesOutWhatIsTooSparseToTell)
-{
+TEST(HoleCheck, LeavesOutWhatIsTooSparseToTell) {
   PaintedCloud cloud = square(5000);
   for (int i = 0; i < 200; ++i) cloud.add({5.0 + i, 3.0 * i, 0.0}, {0, 0, 1}, {9, 9, 9});
   const HoleCheck check = holesSeen(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
@@ -72,8 +64,7 @@ TEST(HoleCheck, LeavesOutWhatIsTooSparseToTell)
   EXPECT_EQ(check.rays + check.sparse, 20000u);
 }
 
-TEST(HoleCheck, LeavesOutWhatIsNoSheet)
-{
+TEST(HoleCheck, LeavesOutWhatIsNoSheet) {
   // Half the points fill a cube densely, where no normal exists; the others lie on the square.
   PaintedCloud cloud = square(5000);
   std::mt19937_64 random(4);
@@ -87,8 +78,7 @@ TEST(HoleCheck, LeavesOutWhatIsNoSheet)
   EXPECT_LT(check.holes(), 0.05) << "what is left of the cube";
 }
 
-TEST(HoleCheck, IsTheSameForAnyNumberOfThreads)
-{
+TEST(HoleCheck, IsTheSameForAnyNumberOfThreads) {
   const PaintedCloud cloud = painted(10000);
   SplatParams sampling;
   sampling.threads = 1;
@@ -106,8 +96,7 @@ TEST(HoleCheck, IsTheSameForAnyNumberOfThreads)
   EXPECT_EQ(one->overlap, many->overlap);
 }
 
-TEST(HoleCheck, BadInputIsAnError)
-{
+TEST(HoleCheck, BadInputIsAnError) {
   const PaintedCloud cloud = square(100);
   const auto store = PointStore::build(cloud.view(), 1);
   ASSERT_TRUE(store);

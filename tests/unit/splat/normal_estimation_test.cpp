@@ -17,9 +17,7 @@ using namespace pcl_slim_test;
 constexpr int kNeighbors = 16;
 
 /** Adds random points of a unit sphere around x, off by noise along their true normals. */
-void
-addSphere(PaintedCloud& cloud, double x, int count, double noise)
-{
+void addSphere(PaintedCloud& cloud, double x, int count, double noise) {
   std::mt19937_64 random(4);
   std::normal_distribution<double> gauss;
   for (int k = 0; k < count; ++k) {
@@ -30,9 +28,7 @@ addSphere(PaintedCloud& cloud, double x, int count, double noise)
   }
 }
 
-std::vector<float>
-estimated(const PaintedCloud& cloud, int threads = 1)
-{
+std::vector<float> estimated(const PaintedCloud& cloud, int threads = 1) {
   CloudView view = cloud.view();
   view.normal = nullptr;
   const double viewpoint[3] = {0, 0, 0};
@@ -42,9 +38,7 @@ estimated(const PaintedCloud& cloud, int threads = 1)
 }
 
 /** RMS angle between the estimated lines and the true ones, in radians. */
-double
-errorOf(const PaintedCloud& cloud, const std::vector<float>& normals)
-{
+double errorOf(const PaintedCloud& cloud, const std::vector<float>& normals) {
   double sum = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vector3 n{normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]};
@@ -56,8 +50,7 @@ errorOf(const PaintedCloud& cloud, const std::vector<float>& normals)
   return std::sqrt(sum / static_cast<double>(cloud.size()));
 }
 
-TEST(NormalEstimation, IsAsCloseAsTheNeighboursAllow)
-{
+TEST(NormalEstimation, IsAsCloseAsTheNeighboursAllow) {
   PaintedCloud clean, noisy;
   addSphere(clean, 0.0, 20000, 0.0);
   addSphere(noisy, 0.0, 20000, 0.005);
@@ -66,8 +59,7 @@ TEST(NormalEstimation, IsAsCloseAsTheNeighboursAllow)
   EXPECT_LT(errorOf(noisy, estimated(noisy)), 0.09);
 }
 
-TEST(NormalEstimation, IsAsCloseWhereDensityChangesAndAtGaps)
-{
+TEST(NormalEstimation, IsAsCloseWhereDensityChangesAndAtGaps) {
   PaintedCloud cloud;
   addSphere(cloud, 0.0, 30000, 0.0);
   addSphere(cloud, 2.1, 600, 0.0);
@@ -75,8 +67,7 @@ TEST(NormalEstimation, IsAsCloseWhereDensityChangesAndAtGaps)
   EXPECT_LT(errorOf(cloud, estimated(cloud)), 0.03);
 }
 
-TEST(NormalEstimation, FindsTheNormalsOfFewPointsAndOfLines)
-{
+TEST(NormalEstimation, FindsTheNormalsOfFewPointsAndOfLines) {
   PaintedCloud few, line;
   addSphere(few, 0.0, 5, 0.0);
   for (int i = 0; i < 40; ++i) line.add({0.1 * i, 0.0, 0.0}, {0, 0, 1}, {0, 0, 0});
@@ -91,8 +82,7 @@ TEST(NormalEstimation, FindsTheNormalsOfFewPointsAndOfLines)
   }
 }
 
-TEST(NormalEstimation, ThreadsChangeNothing)
-{
+TEST(NormalEstimation, ThreadsChangeNothing) {
   PaintedCloud cloud;
   addSphere(cloud, 0.0, 20000, 0.003);
   EXPECT_EQ(estimated(cloud, 1), estimated(cloud, 3));

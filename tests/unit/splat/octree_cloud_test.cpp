@@ -19,9 +19,7 @@ using namespace pcl_slim_test;
 
 using Cell = std::array<long, 3>;
 
-Cell
-cellOf(const PaintedCloud& cloud, const OctreeCloud& octree, std::size_t point, double width)
-{
+Cell cellOf(const PaintedCloud& cloud, const OctreeCloud& octree, std::size_t point, double width) {
   float p[3];
   octree.frame().position(cloud.points.data() + 3 * point, p);
   Cell cell;
@@ -29,8 +27,7 @@ cellOf(const PaintedCloud& cloud, const OctreeCloud& octree, std::size_t point, 
   return cell;
 }
 
-TEST(OctreeCloud, RootsAreTheOccupiedCellsOfTheGrid)
-{
+TEST(OctreeCloud, RootsAreTheOccupiedCellsOfTheGrid) {
   const PaintedCloud cloud = painted(20000);
   for (const int resolution : {1, 3, 40, 1000, 1 << 20}) {
     const auto octree = OctreeCloud::build(cloud.view(), {resolution, 0}, 2);
@@ -56,8 +53,7 @@ TEST(OctreeCloud, RootsAreTheOccupiedCellsOfTheGrid)
   }
 }
 
-TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
-{
+TEST(OctreeCloud, KeysTellCellsBelowRootsApart) {
   const PaintedCloud cloud = painted(20000);
   const auto octree = OctreeCloud::build(cloud.view(), {20, 0}, 1);
   ASSERT_TRUE(octree);
@@ -76,14 +72,11 @@ TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
 }
 
 /** The level at which a point falls apart from the one before it. */
-int
-levelBetween(const OctreeCloud& cloud, std::size_t i)
-{
+int levelBetween(const OctreeCloud& cloud, std::size_t i) {
   return RunKeys{cloud.keys()}.dividingShift(i - 1, i + 1);
 }
 
-TEST(OctreeCloud, EqualPointsCountOnceAndOrderIsNoMatter)
-{
+TEST(OctreeCloud, EqualPointsCountOnceAndOrderIsNoMatter) {
   const PaintedCloud cloud = painted(3000);
   PaintedCloud mixed;
   for (std::size_t i = 2 * cloud.size(); i-- > 0;) {  // every point twice, backwards
@@ -112,8 +105,7 @@ TEST(OctreeCloud, EqualPointsCountOnceAndOrderIsNoMatter)
   }
 }
 
-TEST(OctreeCloud, PointsAtOnePlaceWithOtherColoursStay)
-{
+TEST(OctreeCloud, PointsAtOnePlaceWithOtherColoursStay) {
   PaintedCloud cloud = painted(100);
   cloud.add({cloud.points[0], cloud.points[1], cloud.points[2]}, {0, 0, 1}, {1, 2, 3});
   const auto octree = OctreeCloud::build(cloud.view(), {4, 0, 0}, 1, cloud.colors());
@@ -123,8 +115,7 @@ TEST(OctreeCloud, PointsAtOnePlaceWithOtherColoursStay)
 
 /** Clouds of more places than are drawn: how many there are is guessed, from the same places each
  * time. */
-TEST(OctreeCloud, CountsPlacesHoweverOftenTheyAreGiven)
-{
+TEST(OctreeCloud, CountsPlacesHoweverOftenTheyAreGiven) {
   const PaintedCloud cloud = painted(60000);
   const auto resolutionOf = [&](std::size_t times) {
     PaintedCloud repeated;
@@ -142,8 +133,7 @@ TEST(OctreeCloud, CountsPlacesHoweverOftenTheyAreGiven)
   EXPECT_NEAR(exact->resolution(), once, 1);
 }
 
-TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder)
-{
+TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder) {
   const PaintedCloud cloud = painted(5000);
   std::vector<float> floats(cloud.points.begin(), cloud.points.end());
   std::vector<double> rounded(floats.begin(), floats.end());
@@ -184,14 +174,12 @@ class Window : public testing::Test {
   Result<OctreeCloud> octree_ = OctreeCloud::build(view_, {10, 0}, 1);
   PointWindow window_;
 
-  void load(std::size_t begin, std::size_t end)
-  {
+  void load(std::size_t begin, std::size_t end) {
     window_.load(*octree_, {view_, colors_, table_}, begin, end);
   }
 };
 
-TEST_F(Window, HoldsWhatPointsAre)
-{
+TEST_F(Window, HoldsWhatPointsAre) {
   cloud_.normals[3] = std::nanf("");
   for (std::size_t a = 0; a < 3; ++a) cloud_.normals[6 + a] *= 5.0f;
   load(100, 2900);
@@ -211,8 +199,7 @@ TEST_F(Window, HoldsWhatPointsAre)
   }
 }
 
-TEST_F(Window, WithoutNormalsAndColoursHoldsZeros)
-{
+TEST_F(Window, WithoutNormalsAndColoursHoldsZeros) {
   view_.normal = nullptr;
   colors_ = {};
   load(0, 50);
@@ -222,8 +209,7 @@ TEST_F(Window, WithoutNormalsAndColoursHoldsZeros)
   }
 }
 
-TEST_F(Window, SumsAreThoseOfItsPoints)
-{
+TEST_F(Window, SumsAreThoseOfItsPoints) {
   load(0, 3000);
   for (const std::size_t n : {1u, 2u, 3u, 4u, 5u, 16u, 19u, 2000u}) {
     for (const std::size_t begin : {0u, 7u}) {

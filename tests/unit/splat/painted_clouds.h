@@ -20,8 +20,7 @@ namespace pcl_slim_test {
 struct PaintedCloud : Cloud {
   std::vector<std::uint8_t> bgr;
 
-  pcl_slim::CloudView view(bool with_normals = true) const
-  {
+  pcl_slim::CloudView view(bool with_normals = true) const {
     pcl_slim::CloudView view = viewOf(points, normals);
     if (!with_normals) view.normal = nullptr;
     return view;
@@ -30,8 +29,7 @@ struct PaintedCloud : Cloud {
   pcl_slim::ColorView colors() const { return {bgr.data(), 3}; }
 
   void add(const std::array<double, 3>& p, const std::array<double, 3>& n,
-           const std::array<int, 3>& rgb)
-  {
+           const std::array<int, 3>& rgb) {
     Cloud::add(p, n);
     for (int c = 2; c >= 0; --c) {
       bgr.push_back(
@@ -41,16 +39,13 @@ struct PaintedCloud : Cloud {
 };
 
 /** Where painted() has its dark eye. */
-inline bool
-inEye(const std::array<double, 3>& p)
-{
+inline bool inEye(const std::array<double, 3>& p) {
   return std::hypot(p[0] - 0.7, p[1] - 0.4) < 0.12 && p[2] > 0.0;
 }
 
 /** An ellipsoid with stripes and an eye. noise: standard deviation of each byte of colour. */
-inline PaintedCloud
-painted(std::size_t count, double noise = 0.0, std::array<double, 3> place = {0, 0, 0})
-{
+inline PaintedCloud painted(std::size_t count, double noise = 0.0,
+                            std::array<double, 3> place = {0, 0, 0}) {
   PaintedCloud cloud;
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -75,10 +70,9 @@ painted(std::size_t count, double noise = 0.0, std::array<double, 3> place = {0,
   return cloud;
 }
 
-inline pcl_slim::SplatSet
-sampled(const PaintedCloud& cloud, const pcl_slim::SplatParams& params,
-        pcl_slim::SplatStatistics* statistics = nullptr, bool with_normals = true)
-{
+inline pcl_slim::SplatSet sampled(const PaintedCloud& cloud, const pcl_slim::SplatParams& params,
+                                  pcl_slim::SplatStatistics* statistics = nullptr,
+                                  bool with_normals = true) {
   pcl_slim::SplatSet splats;
   const pcl_slim::Error error =
       sampleSplats(cloud.view(with_normals), cloud.colors(), params, splats, statistics);
@@ -86,18 +80,14 @@ sampled(const PaintedCloud& cloud, const pcl_slim::SplatParams& params,
   return splats;
 }
 
-inline pcl_slim::SplatParams
-oneThread()
-{
+inline pcl_slim::SplatParams oneThread() {
   pcl_slim::SplatParams params;
   params.threads = 1;
   return params;
 }
 
 /** Every column of two sets of splats. */
-inline void
-expectSame(const pcl_slim::SplatSet& a, const pcl_slim::SplatSet& b)
-{
+inline void expectSame(const pcl_slim::SplatSet& a, const pcl_slim::SplatSet& b) {
   using pcl_slim::SplatSet;
   for (const auto column :
        {&SplatSet::x, &SplatSet::y, &SplatSet::z, &SplatSet::nx, &SplatSet::ny, &SplatSet::nz,
@@ -109,15 +99,12 @@ expectSame(const pcl_slim::SplatSet& a, const pcl_slim::SplatSet& b)
   EXPECT_EQ(a.gradient, b.gradient);
 }
 
-inline std::size_t
-countOf(const PaintedCloud& cloud, const pcl_slim::SplatParams& params)
-{
+inline std::size_t countOf(const PaintedCloud& cloud, const pcl_slim::SplatParams& params) {
   return sampled(cloud, params).size();
 }
 
-inline pcl_slim::HoleCheck
-holesSeen(const PaintedCloud& cloud, const pcl_slim::SplatSet& splats, std::uint64_t rays)
-{
+inline pcl_slim::HoleCheck holesSeen(const PaintedCloud& cloud, const pcl_slim::SplatSet& splats,
+                                     std::uint64_t rays) {
   const auto store = pcl_slim::PointStore::build(cloud.view(), 1);
   EXPECT_TRUE(store);
   pcl_slim::HoleCheckParams params;
@@ -130,9 +117,7 @@ holesSeen(const PaintedCloud& cloud, const pcl_slim::SplatSet& splats, std::uint
 
 /** Every number is finite, normals are unit, radii positive, each kept point is one of the cloud's,
  * and the splats' points add up. */
-inline void
-expectSound(const pcl_slim::SplatSet& s, std::size_t points)
-{
+inline void expectSound(const pcl_slim::SplatSet& s, std::size_t points) {
   double total = 0;
   std::vector<bool> seen;
   for (std::size_t i = 0; i < s.size(); ++i) {

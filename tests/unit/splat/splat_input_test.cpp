@@ -11,8 +11,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-TEST(SplatInput, OneColourOnePointOneLine)
-{
+TEST(SplatInput, OneColourOnePointOneLine) {
   PaintedCloud cloud;
   SplatSet splats;
   cloud.add({1, 2, 3}, {0, 0, 1}, {10, 20, 30});
@@ -35,17 +34,17 @@ TEST(SplatInput, OneColourOnePointOneLine)
   }
 }
 
-/** A painted cloud's coordinates and normals as floats, so many apart; nothing stands behind the last
- * point. */
+/** A painted cloud's coordinates and normals as floats, so many apart; nothing stands behind the
+ * last point. */
 class PackedFloats {
  public:
   PackedFloats(const PaintedCloud& cloud, std::size_t apart)
-      : apart_(apart), cloud_(cloud), positions_(pack(cloud.points)), normals_(pack(cloud.normals))
-  {
-  }
+      : apart_(apart),
+        cloud_(cloud),
+        positions_(pack(cloud.points)),
+        normals_(pack(cloud.normals)) {}
 
-  SplatSet splats() const
-  {
+  SplatSet splats() const {
     CloudView view;
     view.xyz = positions_.data();
     view.normal = normals_.data();
@@ -59,8 +58,7 @@ class PackedFloats {
 
  private:
   template <typename T>
-  std::vector<float> pack(const std::vector<T>& values) const
-  {
+  std::vector<float> pack(const std::vector<T>& values) const {
     const std::size_t n = values.size() / 3;
     std::vector<float> packed((n - 1) * apart_ + 3, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -74,8 +72,7 @@ class PackedFloats {
   std::vector<float> positions_, normals_;
 };
 
-TEST(SplatInput, WhatStandsBetweenAndBehindPointsIsNotUsed)
-{
+TEST(SplatInput, WhatStandsBetweenAndBehindPointsIsNotUsed) {
   for (const std::size_t count : {1u, 5u, 20000u}) {
     const PaintedCloud cloud = painted(count);
     const SplatSet close = PackedFloats(cloud, 3).splats();
@@ -87,8 +84,7 @@ TEST(SplatInput, WhatStandsBetweenAndBehindPointsIsNotUsed)
   }
 }
 
-TEST(SplatInput, ThreadsChangeNothing)
-{
+TEST(SplatInput, ThreadsChangeNothing) {
   const PaintedCloud cloud = painted(70000, 5.0);
   for (int mode = 0; mode < 3; ++mode) {
     SplatParams params = oneThread();
@@ -105,10 +101,8 @@ TEST(SplatInput, ThreadsChangeNothing)
 
 /** The same cloud with its points in another order, each so many times, and so many points that are
  * nowhere. \param[out] from the point of the cloud that each is. */
-PaintedCloud
-shuffled(const PaintedCloud& cloud, std::size_t times, std::size_t nowhere,
-         std::vector<std::uint32_t>& from)
-{
+PaintedCloud shuffled(const PaintedCloud& cloud, std::size_t times, std::size_t nowhere,
+                      std::vector<std::uint32_t>& from) {
   from.assign(nowhere, 0xffffffffu);
   for (std::uint32_t i = 0; i < times * cloud.size(); ++i) {
     from.push_back(i % static_cast<std::uint32_t>(cloud.size()));
@@ -127,8 +121,7 @@ shuffled(const PaintedCloud& cloud, std::size_t times, std::size_t nowhere,
   return made;
 }
 
-TEST(SplatInput, OrderDuplicatesAndPointsThatAreNowhereChangeNothing)
-{
+TEST(SplatInput, OrderDuplicatesAndPointsThatAreNowhereChangeNothing) {
   for (const std::size_t count : {3000u, 50000u}) {
     const PaintedCloud cloud = painted(count, 5.0);
     for (int mode = 0; mode < 4; ++mode) {
@@ -151,8 +144,7 @@ TEST(SplatInput, OrderDuplicatesAndPointsThatAreNowhereChangeNothing)
   }
 }
 
-TEST(SplatInput, CoordinatesNearTheLargestFloatAreAnError)
-{
+TEST(SplatInput, CoordinatesNearTheLargestFloatAreAnError) {
   PaintedCloud cloud = painted(500);
   for (double& value : cloud.points) value *= 2.5e38;
   SplatSet splats;
@@ -163,8 +155,7 @@ TEST(SplatInput, CoordinatesNearTheLargestFloatAreAnError)
   expectSound(sampled(cloud, oneThread()), cloud.size());
 }
 
-TEST(SplatInput, DifferencesThatFloatsCannotHoldAreAnError)
-{
+TEST(SplatInput, DifferencesThatFloatsCannotHoldAreAnError) {
   for (const double size : {1e-35, 1e-310, 1e-320}) {
     PaintedCloud cloud = painted(500);
     for (double& value : cloud.points) value *= size;
@@ -175,8 +166,7 @@ TEST(SplatInput, DifferencesThatFloatsCannotHoldAreAnError)
   }
 }
 
-TEST(SplatInput, BadInputIsAnError)
-{
+TEST(SplatInput, BadInputIsAnError) {
   SplatSet splats;
   PaintedCloud cloud;
   EXPECT_EQ(sampleSplats(cloud.view(), {}, {}, splats).code, ErrorCode::kBadInput);
@@ -194,8 +184,7 @@ TEST(SplatInput, BadInputIsAnError)
   EXPECT_EQ(statistics.points, 99u);
 }
 
-TEST(SplatInput, IndicesOutOfRangeAreAnError)
-{
+TEST(SplatInput, IndicesOutOfRangeAreAnError) {
   SplatSet splats;
   const PaintedCloud cloud = painted(100);
   const std::int32_t indices[] = {0, 100};
@@ -206,8 +195,7 @@ TEST(SplatInput, IndicesOutOfRangeAreAnError)
   EXPECT_TRUE(splats.empty());
 }
 
-TEST(SplatInput, BadParametersAreErrors)
-{
+TEST(SplatInput, BadParametersAreErrors) {
   const PaintedCloud cloud = painted(100);
   const double nan = std::nan("");
   const double inf = std::numeric_limits<double>::infinity();
@@ -235,8 +223,7 @@ TEST(SplatInput, BadParametersAreErrors)
   }
 }
 
-TEST(SplatInput, AnyResolutionAndDepthWorks)
-{
+TEST(SplatInput, AnyResolutionAndDepthWorks) {
   const PaintedCloud cloud = painted(3000);
   for (const int resolution : {1, 2, 3, 63, 64, 65, 1000, 1 << 20}) {
     for (const int depth : {0, 1, 1000000}) {
@@ -255,8 +242,7 @@ TEST(SplatInput, AnyResolutionAndDepthWorks)
   }
 }
 
-TEST(SplatInput, CancelStops)
-{
+TEST(SplatInput, CancelStops) {
   const PaintedCloud cloud = painted(1000);
   Progress* running = nullptr;
   Progress progress([&](float, const char*) { running->cancel(); });

@@ -10,8 +10,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-TEST(SplatSampling, CoversThePaintedObject)
-{
+TEST(SplatSampling, CoversThePaintedObject) {
   const PaintedCloud cloud = painted(60000);
   for (const RadiusRule rule :
        {RadiusRule::kDensity, RadiusRule::kNeighbors, RadiusRule::kCorner}) {
@@ -29,8 +28,7 @@ TEST(SplatSampling, CoversThePaintedObject)
   }
 }
 
-TEST(SplatSampling, CountsRiseAsTolerancesFall)
-{
+TEST(SplatSampling, CountsRiseAsTolerancesFall) {
   const PaintedCloud cloud = painted(40000, 4.0);
   for (const bool paper : {false, true}) {
     SplatParams params = oneThread();
@@ -57,8 +55,7 @@ TEST(SplatSampling, CountsRiseAsTolerancesFall)
   }
 }
 
-TEST(SplatSampling, ColourErrorOneIsGeometryOnly)
-{
+TEST(SplatSampling, ColourErrorOneIsGeometryOnly) {
   const PaintedCloud cloud = painted(20000);
   SplatParams params = oneThread();
   params.color_error = 1.0;
@@ -72,8 +69,7 @@ TEST(SplatSampling, ColourErrorOneIsGeometryOnly)
   EXPECT_GT(countOf(cloud, params), with.size());
 }
 
-TEST(SplatSampling, TheEyeGetsMoreThanItsShare)
-{
+TEST(SplatSampling, TheEyeGetsMoreThanItsShare) {
   const PaintedCloud cloud = painted(60000);
   const auto eyeShare = [&](const SplatParams& params) {
     const SplatSet s = sampled(cloud, params);
@@ -92,8 +88,7 @@ TEST(SplatSampling, TheEyeGetsMoreThanItsShare)
   EXPECT_GT(eyeShare(budget), 1.4 * eyeShare(uniform));
 }
 
-TEST(SplatSampling, SignsOfNormalsChangeNothingButInPaperMode)
-{
+TEST(SplatSampling, SignsOfNormalsChangeNothingButInPaperMode) {
   PaintedCloud cloud = painted(20000);
   SplatParams params = oneThread();
   params.color_error = 1.0;
@@ -107,8 +102,7 @@ TEST(SplatSampling, SignsOfNormalsChangeNothingButInPaperMode)
   EXPECT_GT(countOf(cloud, params), 2 * straight);
 }
 
-TEST(SplatSampling, NoisyColourDoesNotShatter)
-{
+TEST(SplatSampling, NoisyColourDoesNotShatter) {
   const PaintedCloud noisy = painted(40000, 20.0);
   SplatParams guarded = oneThread(), bare = oneThread();
   guarded.color_error = bare.color_error = 0.05;
@@ -131,8 +125,7 @@ TEST(SplatSampling, NoisyColourDoesNotShatter)
   EXPECT_LT(worst_free, 16.0);
 }
 
-TEST(SplatSampling, NoiseIsMeasured)
-{
+TEST(SplatSampling, NoiseIsMeasured) {
   PaintedCloud cloud = painted(30000);
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
@@ -144,8 +137,7 @@ TEST(SplatSampling, NoiseIsMeasured)
   EXPECT_LT(statistics.color_noise, 0.01);
 }
 
-TEST(SplatSampling, BudgetsAreKept)
-{
+TEST(SplatSampling, BudgetsAreKept) {
   const PaintedCloud cloud = painted(40000);
   for (const std::uint64_t most : {1u, 50u, 1000u, 2000u, 4000u, 10000u}) {
     SplatParams params = oneThread();
@@ -160,8 +152,7 @@ TEST(SplatSampling, BudgetsAreKept)
   }
 }
 
-TEST(SplatSampling, MoreSplatsLowerTheError)
-{
+TEST(SplatSampling, MoreSplatsLowerTheError) {
   const PaintedCloud cloud = painted(40000);
   double last = 1e9;
   for (const std::uint64_t most : {500u, 1000u, 2000u, 4000u}) {
@@ -174,8 +165,7 @@ TEST(SplatSampling, MoreSplatsLowerTheError)
   }
 }
 
-TEST(SplatSampling, TargetErrorIsMet)
-{
+TEST(SplatSampling, TargetErrorIsMet) {
   const PaintedCloud cloud = painted(40000);
   std::size_t last = 0;
   for (const double target : {8.0, 4.0, 2.0, 1.0}) {
@@ -190,8 +180,7 @@ TEST(SplatSampling, TargetErrorIsMet)
   }
 }
 
-TEST(SplatSampling, NormalsAreEstimatedWhereThereAreNone)
-{
+TEST(SplatSampling, NormalsAreEstimatedWhereThereAreNone) {
   const PaintedCloud cloud = painted(20000);
   SplatParams params = oneThread();
   params.viewpoint[2] = 100.0;
@@ -214,8 +203,7 @@ TEST(SplatSampling, NormalsAreEstimatedWhereThereAreNone)
   EXPECT_GT(worst, 0.9);
 }
 
-TEST(SplatSampling, PointsWithoutNormalAmongOthersStay)
-{
+TEST(SplatSampling, PointsWithoutNormalAmongOthersStay) {
   PaintedCloud cloud = painted(20000);
   for (std::size_t i = 0; i < 3 * 4000; ++i) {
     cloud.normals[i] = i % 2 ? 0.0f : std::numeric_limits<float>::quiet_NaN();
@@ -224,8 +212,7 @@ TEST(SplatSampling, PointsWithoutNormalAmongOthersStay)
   expectSound(splats, cloud.size());
 }
 
-TEST(SplatSampling, FarCoordinatesLoseNothing)
-{
+TEST(SplatSampling, FarCoordinatesLoseNothing) {
   SplatParams params = oneThread();
   params.initial_resolution = 20;
   const SplatSet near = sampled(painted(20000), params);
@@ -237,8 +224,7 @@ TEST(SplatSampling, FarCoordinatesLoseNothing)
   }
 }
 
-TEST(SplatSampling, GradientFollowsTheColour)
-{
+TEST(SplatSampling, GradientFollowsTheColour) {
   PaintedCloud cloud;
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -264,8 +250,7 @@ TEST(SplatSampling, GradientFollowsTheColour)
   }
 }
 
-TEST(SplatSampling, PaperModeKeepsPointsAndTheirColours)
-{
+TEST(SplatSampling, PaperModeKeepsPointsAndTheirColours) {
   const PaintedCloud cloud = painted(20000, 6.0);
   SplatParams params = oneThread();
   params.paper_mode = true;

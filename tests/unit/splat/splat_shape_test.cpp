@@ -11,8 +11,7 @@ using namespace pcl_slim_test;
 
 // Seven points in a row of shades, alone among points 50 times as far apart: their disc reaches far
 // beyond them, and the shades must not go on as far.
-TEST(SplatShape, GradientsEndNearTheirPoints)
-{
+TEST(SplatShape, GradientsEndNearTheirPoints) {
   PaintedCloud cloud;
   for (int i = 0; i < 12; ++i) {
     for (int j = 0; j < 12; ++j) {
@@ -48,8 +47,7 @@ TEST(SplatShape, GradientsEndNearTheirPoints)
 
 // A black bar beside a large motley floor: a budget has more to gain from the floor, and still must
 // not make the bar a few discs that stand out of it.
-TEST(SplatShape, BudgetsLeaveThinBarsTheirShape)
-{
+TEST(SplatShape, BudgetsLeaveThinBarsTheirShape) {
   PaintedCloud cloud;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform;

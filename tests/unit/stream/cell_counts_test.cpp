@@ -14,9 +14,7 @@ using namespace pcl_slim;
 using namespace pcl_slim::detail;
 
 /** Codes of points of which half lie in one small cube. */
-std::vector<std::uint64_t>
-someKeys(std::size_t count)
-{
+std::vector<std::uint64_t> someKeys(std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> keys;
   for (std::size_t i = 0; i < count; ++i) {
@@ -26,10 +24,8 @@ someKeys(std::size_t count)
   return keys;
 }
 
-TilePlan
-planOf(const std::vector<std::uint64_t>& keys, std::uint64_t most_of_cell, std::uint64_t tile,
-       CellCounts& counts)
-{
+TilePlan planOf(const std::vector<std::uint64_t>& keys, std::uint64_t most_of_cell,
+                std::uint64_t tile, CellCounts& counts) {
   do {
     const Error error = counts.add(keys.data(), keys.size());
     EXPECT_FALSE(error) << error.message;
@@ -40,8 +36,7 @@ planOf(const std::vector<std::uint64_t>& keys, std::uint64_t most_of_cell, std::
   return plan;
 }
 
-TEST(CellCounts, CountEveryPointInTheCellThatHoldsIt)
-{
+TEST(CellCounts, CountEveryPointInTheCellThatHoldsIt) {
   const auto keys = someKeys(20000);
   CellCounts counts;
   const TilePlan plan = planOf(keys, 100, 1000, counts);
@@ -60,16 +55,14 @@ TEST(CellCounts, CountEveryPointInTheCellThatHoldsIt)
   EXPECT_EQ(sum, keys.size());
 }
 
-TEST(CellCounts, LeavePointsOutThatNoStoreTakes)
-{
+TEST(CellCounts, LeavePointsOutThatNoStoreTakes) {
   const std::vector<std::uint64_t> keys{7, PointKeys::kLeftOut, 8};
   CellCounts counts;
   const TilePlan plan = planOf(keys, 100, 1000, counts);
   EXPECT_EQ(plan.points, 2u);
 }
 
-TEST(CellCounts, GiveEachCellItsNumber)
-{
+TEST(CellCounts, GiveEachCellItsNumber) {
   const auto keys = someKeys(5000);
   CellCounts counts;
   const TilePlan plan = planOf(keys, 50, 1000, counts);
@@ -83,8 +76,7 @@ TEST(CellCounts, GiveEachCellItsNumber)
   }
 }
 
-TEST(TilePlan, TilesHoldEveryCellOnceAndNoMorePointsThanAsked)
-{
+TEST(TilePlan, TilesHoldEveryCellOnceAndNoMorePointsThanAsked) {
   const auto keys = someKeys(30000);
   CellCounts counts;
   const TilePlan plan = planOf(keys, 40, 1500, counts);
@@ -108,8 +100,7 @@ TEST(TilePlan, TilesHoldEveryCellOnceAndNoMorePointsThanAsked)
   EXPECT_LT(plan.tiles.size(), 4 * plan.points / 1500) << "small neighbours are joined";
 }
 
-TEST(TilePlan, PointsAtOnePlaceAreOneTile)
-{
+TEST(TilePlan, PointsAtOnePlaceAreOneTile) {
   const std::vector<std::uint64_t> keys(5000, 123456789);
   CellCounts counts;
   const TilePlan plan = planOf(keys, 40, 1500, counts);

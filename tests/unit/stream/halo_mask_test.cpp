@@ -17,16 +17,12 @@ using namespace pcl_slim::detail;
 
 using Place = std::array<double, 3>;
 
-std::uint64_t
-keyOf(const Place& p)
-{
+std::uint64_t keyOf(const Place& p) {
   return mortonCode(p[0], p[1], p[2]);
 }
 
 /** The mask of one tile of all these points. */
-HaloMask
-maskOf(const AlignedVector<std::uint64_t>& keys, double reach)
-{
+HaloMask maskOf(const AlignedVector<std::uint64_t>& keys, double reach) {
   CellCounts counts;
   EXPECT_FALSE(counts.add(keys.data(), keys.size()));
   TilePlan plan;
@@ -36,9 +32,7 @@ maskOf(const AlignedVector<std::uint64_t>& keys, double reach)
 }
 
 /** Points of a curved strip. */
-std::vector<Place>
-strip(std::size_t count)
-{
+std::vector<Place> strip(std::size_t count) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-0.2, 0.1);
   std::vector<Place> points;
@@ -49,8 +43,7 @@ strip(std::size_t count)
   return points;
 }
 
-TEST(HaloMask, HoldsEveryPlaceWithinReachAndFewFarOff)
-{
+TEST(HaloMask, HoldsEveryPlaceWithinReachAndFewFarOff) {
   const double reach = 0.03;
   const auto core = strip(3000);
   AlignedVector<std::uint64_t> keys;
@@ -78,8 +71,7 @@ TEST(HaloMask, HoldsEveryPlaceWithinReachAndFewFarOff)
   EXPECT_EQ(held_far, 0u);  // cells are a quarter of the reach at most: half of it beyond
 }
 
-TEST(HaloMask, MeetsACellWhereItHoldsAPlaceInIt)
-{
+TEST(HaloMask, MeetsACellWhereItHoldsAPlaceInIt) {
   const auto core = strip(500);
   AlignedVector<std::uint64_t> keys;
   for (const Place& p : core) keys.push_back(keyOf(p));
@@ -98,8 +90,7 @@ TEST(HaloMask, MeetsACellWhereItHoldsAPlaceInIt)
   }
 }
 
-TEST(HaloMask, DoesNotDependOnTheOrderOfPoints)
-{
+TEST(HaloMask, DoesNotDependOnTheOrderOfPoints) {
   const auto core = strip(2000);
   AlignedVector<std::uint64_t> keys, reversed;
   for (const Place& p : core) keys.push_back(keyOf(p));

@@ -29,8 +29,7 @@ class Board {
  public:
   explicit Board(std::size_t ranks) : ranks_(ranks), letters_(ranks) {}
 
-  void swap(std::size_t rank, std::vector<Ranks::Bytes>& messages)
-  {
+  void swap(std::size_t rank, std::vector<Ranks::Bytes>& messages) {
     letters_[rank] = messages;
     wait();
     for (std::size_t r = 0; r < ranks_; ++r) messages[r] = letters_[r][rank];
@@ -38,8 +37,7 @@ class Board {
   }
 
  private:
-  void wait()
-  {
+  void wait() {
     std::unique_lock<std::mutex> lock(mutex_);
     const std::size_t turn = turn_;
     if (++here_ == ranks_) {
@@ -59,9 +57,7 @@ class Board {
 class ThreadRanks : public Ranks {
  public:
   ThreadRanks(Board& board, std::size_t rank, std::size_t size)
-      : board_(board), rank_(rank), size_(size)
-  {
-  }
+      : board_(board), rank_(rank), size_(size) {}
   int rank() const override { return static_cast<int>(rank_); }
   int size() const override { return static_cast<int>(size_); }
 
@@ -73,9 +69,7 @@ class ThreadRanks : public Ranks {
   std::size_t rank_, size_;
 };
 
-StreamParams
-smallTiles()
-{
+StreamParams smallTiles() {
   StreamParams params;
   params.tile_points = 20000;
   params.fit.threads = 1;
@@ -90,9 +84,7 @@ struct Made {
   std::vector<std::size_t> tiles;  ///< in the order of the sink
 };
 
-void
-fitShare(PointSource& source, ThreadRanks& ranks, int at_once, Made& made)
-{
+void fitShare(PointSource& source, ThreadRanks& ranks, int at_once, Made& made) {
   StreamParams params = smallTiles();
   params.ranks = &ranks;
   StreamFit fit(params);
@@ -119,9 +111,7 @@ fitShare(PointSource& source, ThreadRanks& ranks, int at_once, Made& made)
 
 /** Fits on so many ranks. \param[in] sourceOf the share of a rank */
 template <typename SourceOf>
-Made
-fitOnRanks(std::size_t ranks, int at_once, const SourceOf& sourceOf)
-{
+Made fitOnRanks(std::size_t ranks, int at_once, const SourceOf& sourceOf) {
   Made made;
   made.sent.resize(ranks);
   made.halo_sent.resize(ranks);
@@ -139,9 +129,8 @@ fitOnRanks(std::size_t ranks, int at_once, const SourceOf& sourceOf)
 }
 
 /** The rows of a cloud that are a rank's share: any division will do. */
-CloudView
-shareOf(const Cloud& cloud, std::vector<std::int32_t>& rows, std::size_t rank, std::size_t ranks)
-{
+CloudView shareOf(const Cloud& cloud, std::vector<std::int32_t>& rows, std::size_t rank,
+                  std::size_t ranks) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (i * ranks / cloud.size() == rank) rows.push_back(static_cast<std::int32_t>(i));
   }
@@ -151,17 +140,13 @@ shareOf(const Cloud& cloud, std::vector<std::int32_t>& rows, std::size_t rank, s
   return view;
 }
 
-Made
-fitOnRanks(const Cloud& cloud, std::size_t ranks, int at_once = 1)
-{
+Made fitOnRanks(const Cloud& cloud, std::size_t ranks, int at_once = 1) {
   std::vector<std::vector<std::int32_t>> rows(ranks);
   return fitOnRanks(ranks, at_once,
                     [&](std::size_t r) { return CloudSource(shareOf(cloud, rows[r], r, ranks)); });
 }
 
-std::vector<unsigned char>
-fitAlone(const Cloud& cloud, StreamStatistics& statistics)
-{
+std::vector<unsigned char> fitAlone(const Cloud& cloud, StreamStatistics& statistics) {
   CloudSource source(cloud.view());
   SLIMSurface surface;
   const Error error = fitTiles(source, smallTiles(), surface, &statistics);
@@ -169,8 +154,7 @@ fitAlone(const Cloud& cloud, StreamStatistics& statistics)
   return encodeSlim(surface);
 }
 
-TEST(Ranks, GiveTheBytesAndTheStatisticsOfOneProcess)
-{
+TEST(Ranks, GiveTheBytesAndTheStatisticsOfOneProcess) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 150000, 0.004).withoutNormals();
   StreamStatistics alone;
   const std::vector<unsigned char> bytes = fitAlone(cloud, alone);
@@ -186,8 +170,7 @@ TEST(Ranks, GiveTheBytesAndTheStatisticsOfOneProcess)
   }
 }
 
-TEST(Ranks, MoreThanTilesLeaveSomeWithoutWork)
-{
+TEST(Ranks, MoreThanTilesLeaveSomeWithoutWork) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 30000, 0.004).withoutNormals();
   StreamStatistics alone;
   const std::vector<unsigned char> bytes = fitAlone(cloud, alone);
@@ -195,8 +178,7 @@ TEST(Ranks, MoreThanTilesLeaveSomeWithoutWork)
   EXPECT_EQ(fitOnRanks(cloud, 6).bytes, bytes);
 }
 
-TEST(Ranks, SendEachPointOnceAndItsHalo)
-{
+TEST(Ranks, SendEachPointOnceAndItsHalo) {
   // Doubles: 24 bytes a point, of which all but a rank's own share travel.
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 150000, 0.004).withoutNormals();
   const Made made = fitOnRanks(cloud, 3);
@@ -210,8 +192,7 @@ TEST(Ranks, SendEachPointOnceAndItsHalo)
   EXPECT_LT(sum(made.sent) - sum(made.halo_sent), 4 * points + 3 * made.bytes.size());
 }
 
-TEST(Ranks, CountPointsThatAreNoneOnEveryRank)
-{
+TEST(Ranks, CountPointsThatAreNoneOnEveryRank) {
   Cloud cloud = sceneCloud(measure::Shape::kTorus, 60000, 0.004).withoutNormals();
   for (int i = 0; i < 10; ++i) cloud.add(std::nan(""), 0, 0);
   cloud.add(1e9, 0, 0);  // a stray: one more pass on every rank
@@ -224,8 +205,7 @@ TEST(Ranks, CountPointsThatAreNoneOnEveryRank)
   EXPECT_EQ(made.statistics.passes, alone.passes);
 }
 
-TEST(Ranks, ReadSharesOfAFile)
-{
+TEST(Ranks, ReadSharesOfAFile) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 60001, 0.004).withoutNormals();
   const TemporaryFolder folder;
   RecordLayout binary, text;
@@ -257,8 +237,7 @@ TEST(Ranks, ReadSharesOfAFile)
   }
 }
 
-TEST(Ranks, KeepNoPlan)
-{
+TEST(Ranks, KeepNoPlan) {
   Board board(1);
   ThreadRanks two(board, 0, 2);
   StreamParams params = smallTiles();

@@ -19,24 +19,19 @@ using namespace pcl_slim_test;
 
 constexpr measure::Shape kShape = measure::Shape::kTorus;
 
-Cloud
-torus(std::size_t count = 200000, double noise = 0.004)
-{
+Cloud torus(std::size_t count = 200000, double noise = 0.004) {
   return sceneCloud(kShape, count, noise).withoutNormals();
 }
 
-StreamParams
-smallTiles(int threads = 1)
-{
+StreamParams smallTiles(int threads = 1) {
   StreamParams params;
   params.tile_points = 20000;
   params.fit.threads = threads;
   return params;
 }
 
-SLIMSurface
-byTiles(const Cloud& cloud, const StreamParams& params, StreamStatistics* statistics = nullptr)
-{
+SLIMSurface byTiles(const Cloud& cloud, const StreamParams& params,
+                    StreamStatistics* statistics = nullptr) {
   CloudSource source(cloud.view());
   SLIMSurface surface;
   const Error error = fitTiles(source, params, surface, statistics);
@@ -44,9 +39,7 @@ byTiles(const Cloud& cloud, const StreamParams& params, StreamStatistics* statis
   return surface;
 }
 
-Errors
-errorsBy(const Cloud& cloud, const SLIMSurface& surface)
-{
+Errors errorsBy(const Cloud& cloud, const SLIMSurface& surface) {
   Fitted f;
   f.store = storeOf(cloud);
   f.surface = surface;
@@ -56,8 +49,7 @@ errorsBy(const Cloud& cloud, const SLIMSurface& surface)
   return errorsOf(kShape, f);
 }
 
-TEST(StreamFit, IsAsNearToTheTruthAsAFitInMemory)
-{
+TEST(StreamFit, IsAsNearToTheTruthAsAFitInMemory) {
   const Cloud cloud = torus();
   StreamStatistics statistics;
   const SLIMSurface tiled = byTiles(cloud, smallTiles(), &statistics);
@@ -74,16 +66,14 @@ TEST(StreamFit, IsAsNearToTheTruthAsAFitInMemory)
   EXPECT_LT(by_tiles.position, 0.25 * 0.004);
 }
 
-TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud)
-{
+TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud) {
   const Cloud cloud = torus();
   StreamStatistics statistics;
   byTiles(cloud, smallTiles(), &statistics);
   EXPECT_NEAR(statistics.fit.lambda, fitted(cloud).statistics.lambda, 0.02 * statistics.fit.lambda);
 }
 
-TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt)
-{
+TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt) {
   // In its tile a clump has most points: their spacing is not the cloud's.
   Cloud cloud = torus(150000);
   std::mt19937 random(3);
@@ -99,8 +89,7 @@ TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt)
   EXPECT_EQ(statistics.fit.points + statistics.fit.outliers, cloud.size());
 }
 
-TEST(StreamFit, CountsTheMemoryOfBallsAsWideAsNoiseAsks)
-{
+TEST(StreamFit, CountsTheMemoryOfBallsAsWideAsNoiseAsks) {
   // Balls of 32 sigma hold a good part of such a tile: each thread has one in memory.
   const Cloud cloud = torus(200000, 0.01);
   CloudSource source(cloud.view());
@@ -114,14 +103,12 @@ TEST(StreamFit, CountsTheMemoryOfBallsAsWideAsNoiseAsks)
   EXPECT_GT(of_thread, 36 * smallTiles().tile_points / 8);
 }
 
-TEST(StreamFit, GivesTheSameBytesForAnyThreads)
-{
+TEST(StreamFit, GivesTheSameBytesForAnyThreads) {
   const Cloud cloud = torus(100000);
   EXPECT_EQ(encodeSlim(byTiles(cloud, smallTiles(1))), encodeSlim(byTiles(cloud, smallTiles(3))));
 }
 
-TEST(StreamFit, GivesTheSameBytesForAnyOrderOfPoints)
-{
+TEST(StreamFit, GivesTheSameBytesForAnyOrderOfPoints) {
   const Cloud cloud = torus(100000);
   std::vector<std::int32_t> order(cloud.size());
   std::iota(order.begin(), order.end(), 0);
@@ -135,8 +122,7 @@ TEST(StreamFit, GivesTheSameBytesForAnyOrderOfPoints)
   EXPECT_EQ(encodeSlim(shuffled), encodeSlim(byTiles(cloud, smallTiles())));
 }
 
-TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
-{
+TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles) {
   const Cloud cloud = torus(100000);
   CloudSource source(cloud.view());
   StreamFit fit(smallTiles());
@@ -154,8 +140,7 @@ TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
   }
 }
 
-TEST(StreamFit, TilesFittedAtOnceComeInOrderAndAreTheSame)
-{
+TEST(StreamFit, TilesFittedAtOnceComeInOrderAndAreTheSame) {
   const Cloud cloud = torus(100000);
   CloudSource source(cloud.view());
   StreamParams params = smallTiles(3);
@@ -188,8 +173,7 @@ TEST(StreamFit, TilesFittedAtOnceComeInOrderAndAreTheSame)
   EXPECT_EQ(fit.fit(tiles, 2, take, &stopped).code, ErrorCode::kCancelled);
 }
 
-TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly)
-{
+TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly) {
   const Cloud cloud = torus(100000);
   CloudSource source(cloud.view());
   StreamFit fit(smallTiles());
@@ -205,8 +189,7 @@ TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly)
   EXPECT_EQ(coarse.info.num_points, cloud.size());
 }
 
-TEST(StreamFit, UsesNormals)
-{
+TEST(StreamFit, UsesNormals) {
   const Cloud cloud = sceneCloud(kShape, 100000, 0.004);
   ASSERT_FALSE(cloud.normals.empty());
   StreamParams params = smallTiles();
@@ -216,8 +199,7 @@ TEST(StreamFit, UsesNormals)
   EXPECT_LT(errorsBy(cloud, surface).position, 1.8 * errorsOf(kShape, fitted(cloud)).position);
 }
 
-TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles)
-{
+TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles) {
   const Cloud cloud = torus(200000, 0.0);
   StreamStatistics statistics;
   byTiles(cloud, smallTiles(), &statistics);
@@ -225,8 +207,7 @@ TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles)
   EXPECT_LT(statistics.fit.open_leaves, statistics.fit.leaves / 5000);
 }
 
-TEST(StreamFit, RefusesWhatTilesCannotDo)
-{
+TEST(StreamFit, RefusesWhatTilesCannotDo) {
   const Cloud cloud = torus(30000);
   CloudSource source(cloud.view());
   const auto refused = [&](const StreamParams& params, const std::string& word) {
@@ -259,8 +240,7 @@ TEST(StreamFit, RefusesWhatTilesCannotDo)
   EXPECT_EQ(fitTiles(numbered, smallTiles(), surface).code, ErrorCode::kBadArgument);
 }
 
-TEST(StreamFit, SurvivesCloudsWithoutASurface)
-{
+TEST(StreamFit, SurvivesCloudsWithoutASurface) {
   Cloud cloud;
   SLIMSurface surface;
   CloudSource none(cloud.view());
@@ -275,8 +255,7 @@ TEST(StreamFit, SurvivesCloudsWithoutASurface)
   EXPECT_TRUE(surface.empty());
 }
 
-TEST(StreamFit, CanBeCancelled)
-{
+TEST(StreamFit, CanBeCancelled) {
   const Cloud cloud = torus(100000);
   CloudSource source(cloud.view());
   for (const float from : {0.0f, 0.05f, 0.5f}) {
@@ -291,8 +270,7 @@ TEST(StreamFit, CanBeCancelled)
   }
 }
 
-TEST(StreamFit, GoesOnWithWhatAnEarlierRunHasKept)
-{
+TEST(StreamFit, GoesOnWithWhatAnEarlierRunHasKept) {
   const TemporaryFolder folder;
   const Cloud cloud = torus(100000);
   StreamParams params = smallTiles();
@@ -325,11 +303,8 @@ TEST(StreamFit, GoesOnWithWhatAnEarlierRunHasKept)
 class ChangingSource : public CloudSource {
  public:
   ChangingSource(const CloudView& first, const CloudView& later, int from)
-      : CloudSource(first), later_(later), from_(from)
-  {
-  }
-  Error pass(const Visit& visit) override
-  {
+      : CloudSource(first), later_(later), from_(from) {}
+  Error pass(const Visit& visit) override {
     return ++passes_ < from_ ? CloudSource::pass(visit) : later_.pass(visit);
   }
 
@@ -338,8 +313,7 @@ class ChangingSource : public CloudSource {
   int from_, passes_ = 0;
 };
 
-TEST(StreamFit, NoticesThatPointsChangeWhileTheyAreRead)
-{
+TEST(StreamFit, NoticesThatPointsChangeWhileTheyAreRead) {
   const Cloud cloud = torus(50000);
   Cloud fewer = cloud, other = cloud;
   fewer.points.resize(3 * 40000);

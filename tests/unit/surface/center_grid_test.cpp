@@ -13,9 +13,7 @@ using namespace detail;
 
 namespace {
 
-SLIMSurface
-randomCenters(std::size_t count, float spread, std::uint32_t seed)
-{
+SLIMSurface randomCenters(std::size_t count, float spread, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> place(-spread, spread);
   SLIMSurface surface;
@@ -28,17 +26,13 @@ randomCenters(std::size_t count, float spread, std::uint32_t seed)
   return surface;
 }
 
-std::vector<std::uint32_t>
-everyNth(const SLIMSurface& surface, std::uint32_t step)
-{
+std::vector<std::uint32_t> everyNth(const SLIMSurface& surface, std::uint32_t step) {
   std::vector<std::uint32_t> surfels;
   for (std::uint32_t i = 0; i < surface.size(); i += step) surfels.push_back(i);
   return surfels;
 }
 
-float
-distanceSq(const SLIMSurface& s, std::uint32_t i, std::uint32_t j)
-{
+float distanceSq(const SLIMSurface& s, std::uint32_t i, std::uint32_t j) {
   const float ex = s.cx[j] - s.cx[i], ey = s.cy[j] - s.cy[i], ez = s.cz[j] - s.cz[i];
   return ex * ex + ey * ey + ez * ez;
 }
@@ -46,8 +40,7 @@ distanceSq(const SLIMSurface& s, std::uint32_t i, std::uint32_t j)
 // Widths from a few cells in all to more than an axis has digits for in one pass.
 class CenterGridTest : public testing::TestWithParam<std::tuple<std::size_t, float>> {};
 
-TEST_P(CenterGridTest, AWalkFindsWhatAllPairsFind)
-{
+TEST_P(CenterGridTest, AWalkFindsWhatAllPairsFind) {
   const auto [count, width] = GetParam();
   const SLIMSurface surface = randomCenters(count, width < 0.01f ? 0.02f : 0.5f, 3);
   const auto members = everyNth(surface, 2), seekers = everyNth(surface, 3);
@@ -81,8 +74,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, CenterGridTest,
                                          std::make_tuple(1500u, 0.09f),
                                          std::make_tuple(3000u, 0.004f)));
 
-TEST(CenterGrid, EqualPlacesStandInOrderAndFarOnesAtTheRim)
-{
+TEST(CenterGrid, EqualPlacesStandInOrderAndFarOnesAtTheRim) {
   SLIMSurface surface = randomCenters(1000, 0.0f, 1);
   surface.cx[500] = 40.0f;
   surface.cy[501] = -40.0f;

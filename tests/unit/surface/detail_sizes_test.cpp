@@ -9,11 +9,9 @@ namespace {
 
 using detail::DetailSizes;
 
-/** \brief Surfels 0 over 1 and 2, those over the leaves 3 and 4, all about one place but 4, which juts out of
- * 2; surfel 5 has no parent. */
-SLIMSurface
-smallTree()
-{
+/** \brief Surfels 0 over 1 and 2, those over the leaves 3 and 4, all about one place but 4, which
+ * juts out of 2; surfel 5 has no parent. */
+SLIMSurface smallTree() {
   SLIMSurface s;
   s.resize(6);
   s.cx[4] = 0.19f;
@@ -28,8 +26,7 @@ smallTree()
   return s;
 }
 
-TEST(DetailSizes, AreTheBallOrTheErrorWhicheverIsSmaller)
-{
+TEST(DetailSizes, AreTheBallOrTheErrorWhicheverIsSmaller) {
   const DetailSizes sizes(smallTree());
   EXPECT_FLOAT_EQ(sizes.own[1], 0.5f * DetailSizes::kErrors * 0.004f);
   EXPECT_FLOAT_EQ(sizes.own[2], 0.2f);
@@ -37,8 +34,7 @@ TEST(DetailSizes, AreTheBallOrTheErrorWhicheverIsSmaller)
   EXPECT_EQ(sizes.own[3], 0.0f);
 }
 
-TEST(DetailSizes, NeverGrowFromASurfelToItsDescendants)
-{
+TEST(DetailSizes, NeverGrowFromASurfelToItsDescendants) {
   const DetailSizes sizes(smallTree());
   EXPECT_FLOAT_EQ(sizes.own[0], 0.2f);  // its own error alone would make it smaller
   EXPECT_FLOAT_EQ(sizes.parent[1], 0.2f);
@@ -49,16 +45,14 @@ TEST(DetailSizes, NeverGrowFromASurfelToItsDescendants)
 }
 
 // Points of a horn end at its side, and the polynomial of a wide ball goes on.
-TEST(DetailSizes, CountWhatReachesBeyondTheChildren)
-{
+TEST(DetailSizes, CountWhatReachesBeyondTheChildren) {
   SLIMSurface s = smallTree();
   s.radius[3] = 0.1f;  // alone in 1, whose plane is looked at up to .8 of its radius
   EXPECT_FLOAT_EQ(DetailSizes(s).own[1], 0.5f * DetailSizes::kOverhangs * (0.8f * 0.2f - 0.1f));
 }
 
 // Leaves alone know where a border runs.
-TEST(DetailSizes, OfSurfelsWithABorderAreTheirBalls)
-{
+TEST(DetailSizes, OfSurfelsWithABorderAreTheirBalls) {
   SLIMSurface s = smallTree();
   s.trim_begin = {0, 0, 0, 0, 9, 9, 9};
   s.trim_maps.assign(9, 0);
@@ -68,8 +62,7 @@ TEST(DetailSizes, OfSurfelsWithABorderAreTheirBalls)
   EXPECT_FLOAT_EQ(sizes.own[5], 0.5f * DetailSizes::kErrors * 0.01f);
 }
 
-TEST(DetailSizes, WithoutLinksNoSurfelHasAParent)
-{
+TEST(DetailSizes, WithoutLinksNoSurfelHasAParent) {
   SLIMSurface s = smallTree();
   s.child_begin.clear();
   s.children.clear();

@@ -13,18 +13,14 @@ namespace {
 
 using measure::Shape;
 
-double
-distanceSq(const SLIMSurface& s, std::size_t a, std::size_t b)
-{
+double distanceSq(const SLIMSurface& s, std::size_t a, std::size_t b) {
   return std::pow(double(s.cx[a]) - s.cx[b], 2) + std::pow(double(s.cy[a]) - s.cy[b], 2) +
          std::pow(double(s.cz[a]) - s.cz[b], 2);
 }
 
 /** Every pair of surfels that are one level apart, and nothing else, is linked where the parent's
  * ball holds the child's centre; surfels without a parent are roots; the root ball holds all. */
-void
-expectLinks(const SLIMSurface& s)
-{
+void expectLinks(const SLIMSurface& s) {
   ASSERT_EQ(s.child_begin.size(), s.size() + 1);
   ASSERT_EQ(s.child_begin.front(), 0u);
   ASSERT_EQ(s.child_begin.back(), s.children.size());
@@ -53,8 +49,7 @@ expectLinks(const SLIMSurface& s)
   EXPECT_EQ(s.roots, roots);
 }
 
-TEST(Links, OfFittedSurfaces)
-{
+TEST(Links, OfFittedSurfaces) {
   for (const bool paper : {false, true}) {
     FitParams params;
     params.paper_mode = paper;
@@ -68,13 +63,11 @@ TEST(Links, OfFittedSurfaces)
   }
 }
 
-TEST(Links, OfTwoLevelsByHand)
-{
+TEST(Links, OfTwoLevelsByHand) {
   expectLinks(pcl_slim_test::sphereSurface(3, 300));
 }
 
-TEST(Links, OfNothingAndOfOne)
-{
+TEST(Links, OfNothingAndOfOne) {
   SLIMSurface s;
   s.buildLinks();
   EXPECT_EQ(s.child_begin.size(), 1u);
@@ -84,8 +77,7 @@ TEST(Links, OfNothingAndOfOne)
   EXPECT_EQ(s.roots, std::vector<std::uint32_t>{0});
 }
 
-TEST(Links, ReachTheLastLevel)
-{
+TEST(Links, ReachTheLastLevel) {
   SLIMSurface s = pcl_slim_test::sphereSurface(2, 2);
   s.level = {254, 255};
   s.flags = {0, kSurfelLeaf};
@@ -97,8 +89,7 @@ TEST(Links, ReachTheLastLevel)
   EXPECT_EQ(s.children, std::vector<std::uint32_t>{1});
 }
 
-TEST(Links, OfPlacesAndRadiiOutOfTheOrdinary)
-{
+TEST(Links, OfPlacesAndRadiiOutOfTheOrdinary) {
   SLIMSurface s = pcl_slim_test::sphereSurface(2, 60);
   for (std::size_t i = 0; i < s.size(); i += 4) s.cx[i] = i % 8 == 0 ? -3e30f : 1e9f;
   for (std::size_t i = 1; i < s.size(); i += 4) s.radius[i] = 1e-12f;
@@ -106,8 +97,7 @@ TEST(Links, OfPlacesAndRadiiOutOfTheOrdinary)
   expectLinks(s);
 }
 
-TEST(Links, DoNotOutliveTheirSurfels)
-{
+TEST(Links, DoNotOutliveTheirSurfels) {
   SLIMSurface s = pcl_slim_test::sphereSurface(3, 200);
   s.buildLinks();
   const auto children = s.children;

@@ -11,10 +11,10 @@
 namespace pcl_slim::detail {
 namespace {
 
-/** \brief Largest distance, in radii, between the two balls' surfaces along the new frame's normal. */
-double
-largestOffset(const SurfelFrame& from, const std::array<float, 15>& c, const SurfelFrame& to)
-{
+/** \brief Largest distance, in radii, between the two balls' surfaces along the new frame's normal.
+ */
+double largestOffset(const SurfelFrame& from, const std::array<float, 15>& c,
+                     const SurfelFrame& to) {
   const auto rewritten = inNewFrame(4, c.data(), from, to);
   std::array<float, 15> single;
   std::copy(rewritten.begin(), rewritten.end(), single.begin());
@@ -33,9 +33,7 @@ largestOffset(const SurfelFrame& from, const std::array<float, 15>& c, const Sur
   return worst;
 }
 
-std::array<float, 15>
-someCoefficients()
-{
+std::array<float, 15> someCoefficients() {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> value(-0.1f, 0.1f);
   std::array<float, 15> c;
@@ -43,18 +41,17 @@ someCoefficients()
   return c;
 }
 
-TEST(NewFrame, IsExactForAnotherBall)
-{
+TEST(NewFrame, IsExactForAnotherBall) {
   const SurfelFrame from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
   SurfelFrame to = from;
   to.center = {0.1007, 0.1995, 0.3003};
   to.radius = 0.0511;
-  // The height above the plane changes with the centre, but not the directions: floats alone are left.
+  // The height above the plane changes with the centre, but not the directions: floats alone are
+  // left.
   EXPECT_LT(largestOffset(from, someCoefficients(), to), 1e-7);
 }
 
-TEST(NewFrame, LeavesTiltTimesHeight)
-{
+TEST(NewFrame, LeavesTiltTimesHeight) {
   const SurfelFrame from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
   for (const double tilt : {1e-3, 2e-3}) {
     SurfelFrame to = from;
@@ -66,8 +63,7 @@ TEST(NewFrame, LeavesTiltTimesHeight)
   }
 }
 
-TEST(NewFrame, KeepsAPlaneWhereTheFrameTurnsOver)
-{
+TEST(NewFrame, KeepsAPlaneWhereTheFrameTurnsOver) {
   const std::array<float, 15> flat{};
   const SurfelFrame from{{0.0, 0.0, 0.0}, normalized({0.6, 0.8, 1e-3}), 1.0};
   SurfelFrame to = from;

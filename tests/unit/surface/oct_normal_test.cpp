@@ -13,9 +13,7 @@ namespace pcl_slim {
 namespace {
 
 /** Random directions, many of them in or near the coordinate planes and axes. */
-std::array<double, 3>
-awkwardDirection(std::mt19937& random, int i)
-{
+std::array<double, 3> awkwardDirection(std::mt19937& random, int i) {
   std::normal_distribution<double> normal;
   std::array<double, 3> n{normal(random), normal(random), normal(random)};
   if (i % 3 == 0) n[static_cast<std::size_t>(i / 3 % 3)] *= 1e-7;
@@ -24,8 +22,7 @@ awkwardDirection(std::mt19937& random, int i)
   return n;
 }
 
-TEST(OctNormal, EncodingADecodedNormalGivesItsCode)
-{
+TEST(OctNormal, EncodingADecodedNormalGivesItsCode) {
   std::mt19937 random(1);
   for (int i = 0; i < 1000000; ++i) {
     const OctNormal code = encodeNormal(awkwardDirection(random, i));
@@ -37,8 +34,7 @@ TEST(OctNormal, EncodingADecodedNormalGivesItsCode)
   }
 }
 
-TEST(OctNormal, StaysNearAndTurnsRoundExactly)
-{
+TEST(OctNormal, StaysNearAndTurnsRoundExactly) {
   std::mt19937 random(2);
   for (int i = 0; i < 200000; ++i) {
     const auto n = awkwardDirection(random, i);
@@ -53,8 +49,7 @@ TEST(OctNormal, StaysNearAndTurnsRoundExactly)
   }
 }
 
-TEST(OctNormal, SnappedFramesTurnRoundExactly)
-{
+TEST(OctNormal, SnappedFramesTurnRoundExactly) {
   std::mt19937 random(3);
   for (int i = 0; i < 20000; ++i) {
     const auto n = snapNormal(awkwardDirection(random, i));
@@ -64,8 +59,7 @@ TEST(OctNormal, SnappedFramesTurnRoundExactly)
   }
 }
 
-TEST(OctNormal, NothingUsableCountsAsUp)
-{
+TEST(OctNormal, NothingUsableCountsAsUp) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::array<float, 3> up{0.0f, 0.0f, 1.0f};
   EXPECT_EQ(snapNormal({0.0, 0.0, 0.0}), up);

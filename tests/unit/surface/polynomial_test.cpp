@@ -9,9 +9,7 @@
 namespace pcl_slim {
 namespace {
 
-std::array<float, kMaxCoefficients>
-randomCoefficients(std::mt19937& random)
-{
+std::array<float, kMaxCoefficients> randomCoefficients(std::mt19937& random) {
   std::normal_distribution<float> normal;
   std::array<float, kMaxCoefficients> c;
   for (float& value : c) value = normal(random);
@@ -19,9 +17,7 @@ randomCoefficients(std::mt19937& random)
 }
 
 /** Sum over terms in order of degree, straight from the definition. */
-double
-termByTerm(int degree, const float* c, double u, double v)
-{
+double termByTerm(int degree, const float* c, double u, double v) {
   double h = 0;
   int k = 0;
   for (int d = 0; d <= degree; ++d) {
@@ -30,14 +26,11 @@ termByTerm(int degree, const float* c, double u, double v)
   return h;
 }
 
-double
-dot(const std::array<double, 3>& a, const std::array<double, 3>& b)
-{
+double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-TEST(Polynomial, CountsItsCoefficients)
-{
+TEST(Polynomial, CountsItsCoefficients) {
   EXPECT_EQ(numCoefficients(1), 3);
   EXPECT_EQ(numCoefficients(2), 6);
   EXPECT_EQ(numCoefficients(3), 10);
@@ -46,9 +39,7 @@ TEST(Polynomial, CountsItsCoefficients)
 
 /** Calls check(degree, coefficients, u, v) for every degree of some random polynomials. */
 template <typename Check>
-void
-forRandomPolynomials(unsigned seed, int trials, const Check& check)
-{
+void forRandomPolynomials(unsigned seed, int trials, const Check& check) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   for (int trial = 0; trial < trials; ++trial) {
@@ -58,8 +49,7 @@ forRandomPolynomials(unsigned seed, int trials, const Check& check)
   }
 }
 
-TEST(Polynomial, HeightIsTheSumOfItsTerms)
-{
+TEST(Polynomial, HeightIsTheSumOfItsTerms) {
   forRandomPolynomials(41, 200, [](int degree, const float* c, double u, double v) {
     const double expected = termByTerm(degree, c, u, v);
     ASSERT_NEAR(evaluateHeight(degree, c, u, v), expected, 1e-12);
@@ -69,9 +59,7 @@ TEST(Polynomial, HeightIsTheSumOfItsTerms)
 
 /** Central difference of one of the jet's members along u or v. */
 template <typename Member>
-double
-slope(int degree, const float* c, double u, double v, bool along_u, Member member)
-{
+double slope(int degree, const float* c, double u, double v, bool along_u, Member member) {
   const double step = 1e-5;
   const HeightJet ahead =
       evaluateJet(degree, c, u + (along_u ? step : 0), v + (along_u ? 0 : step));
@@ -80,8 +68,7 @@ slope(int degree, const float* c, double u, double v, bool along_u, Member membe
   return (ahead.*member - behind.*member) / (2 * step);
 }
 
-TEST(Polynomial, JetHoldsTheDerivatives)
-{
+TEST(Polynomial, JetHoldsTheDerivatives) {
   forRandomPolynomials(42, 100, [](int degree, const float* c, double u, double v) {
     const HeightJet j = evaluateJet(degree, c, u, v);
     const auto along = [&](bool along_u, double HeightJet::*member) {
@@ -100,8 +87,7 @@ TEST(Polynomial, JetHoldsTheDerivatives)
   });
 }
 
-TEST(Polynomial, TurnsRound)
-{
+TEST(Polynomial, TurnsRound) {
   std::mt19937 random(43);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
@@ -119,8 +105,7 @@ TEST(Polynomial, TurnsRound)
   }
 }
 
-TEST(LocalFrame, IsOrthonormalAndRightHandedForAnyNormal)
-{
+TEST(LocalFrame, IsOrthonormalAndRightHandedForAnyNormal) {
   std::mt19937 random(44);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 5000; ++trial) {

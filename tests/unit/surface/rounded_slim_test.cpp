@@ -18,9 +18,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-SLIMSurface
-roundTrip(const SLIMSurface& surface, double rounding)
-{
+SLIMSurface roundTrip(const SLIMSurface& surface, double rounding) {
   const auto bytes = encodeSlim(surface, rounding);
   EXPECT_EQ(bytes[8], 5) << "the format's version";
   auto again = decodeSlim(bytes.data(), bytes.size());
@@ -28,22 +26,16 @@ roundTrip(const SLIMSurface& surface, double rounding)
   return again ? std::move(*again) : SLIMSurface();
 }
 
-Vector3
-centerOf(const SLIMSurface& s, std::size_t i)
-{
+Vector3 centerOf(const SLIMSurface& s, std::size_t i) {
   return {s.cx[i], s.cy[i], s.cz[i]};
 }
 
-LocalFrame
-frameOf(const SLIMSurface& s, std::size_t i)
-{
+LocalFrame frameOf(const SLIMSurface& s, std::size_t i) {
   return LocalFrame(normalized({s.nx[i], s.ny[i], s.nz[i]}));
 }
 
 /** The surfel of another surface with the nearest centre. */
-std::size_t
-twinOf(const SLIMSurface& s, std::size_t i, const SLIMSurface& other)
-{
+std::size_t twinOf(const SLIMSurface& s, std::size_t i, const SLIMSurface& other) {
   std::size_t best = 0;
   double least = 1e30;
   for (std::size_t k = 0; k < other.size(); ++k) {
@@ -55,9 +47,7 @@ twinOf(const SLIMSurface& s, std::size_t i, const SLIMSurface& other)
 }
 
 /** Squared distance of two surfels along the normal, mean over the inner half of the disc. */
-double
-squaredShift(const SLIMSurface& s, std::size_t i, const SLIMSurface& other, std::size_t k)
-{
+double squaredShift(const SLIMSurface& s, std::size_t i, const SLIMSurface& other, std::size_t k) {
   const LocalFrame frame = frameOf(s, i), turned = frameOf(other, k);
   double sum = 0.0;
   int count = 0;
@@ -77,17 +67,13 @@ squaredShift(const SLIMSurface& s, std::size_t i, const SLIMSurface& other, std:
 }
 
 /** Surfels as a fit makes them: flat against their balls, without jumps between neighbours. */
-SLIMSurface
-flatSphere(int degree, std::size_t count)
-{
+SLIMSurface flatSphere(int degree, std::size_t count) {
   SLIMSurface surface = sphereSurface(degree, count);
   for (float& c : surface.coefficients) c *= 0.2f;
   return surface;
 }
 
-double
-leafResidual(const SLIMSurface& s)
-{
+double leafResidual(const SLIMSurface& s) {
   double sum = 0.0;
   for (const std::uint32_t i : s.leaves()) sum += double{s.error[i]} * s.error[i];
   return std::sqrt(sum / static_cast<double>(s.numLeaves()));
@@ -95,8 +81,7 @@ leafResidual(const SLIMSurface& s)
 
 class RoundedSlim : public testing::TestWithParam<int> {};
 
-TEST_P(RoundedSlim, MovesLeavesByTheShareOfTheirResidual)
-{
+TEST_P(RoundedSlim, MovesLeavesByTheShareOfTheirResidual) {
   const SLIMSurface surface = flatSphere(GetParam(), 400);
   double before = 1.0;
   for (const double rounding : {0.5, 0.1, 0.02}) {
@@ -115,8 +100,7 @@ TEST_P(RoundedSlim, MovesLeavesByTheShareOfTheirResidual)
   }
 }
 
-TEST_P(RoundedSlim, TakesAFractionOfTheBytes)
-{
+TEST_P(RoundedSlim, TakesAFractionOfTheBytes) {
   const SLIMSurface surface = flatSphere(GetParam(), 2000);
   EXPECT_LT(3 * encodeSlim(surface, 0.5).size(), encodeSlim(surface).size());
   EXPECT_LT(encodeSlim(surface, 0.5).size(), encodeSlim(surface, 0.05).size());
@@ -124,8 +108,7 @@ TEST_P(RoundedSlim, TakesAFractionOfTheBytes)
 
 INSTANTIATE_TEST_SUITE_P(Degrees, RoundedSlim, testing::Range(1, 5));
 
-TEST(RoundedSlim, NeverMakesABallSmallerAndMovesItLittle)
-{
+TEST(RoundedSlim, NeverMakesABallSmallerAndMovesItLittle) {
   const SLIMSurface surface = sphereSurface(4, 300);
   const SLIMSurface rounded = roundTrip(surface, 0.2);
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -143,8 +126,7 @@ TEST(RoundedSlim, NeverMakesABallSmallerAndMovesItLittle)
   EXPECT_FALSE(rounded.children.empty()) << "links are rebuilt";
 }
 
-TEST(RoundedSlim, KeepsTrimMapsExactly)
-{
+TEST(RoundedSlim, KeepsTrimMapsExactly) {
   SLIMSurface surface = flatSphere(3, 200);
   setRandomTrimMaps(surface);
   const SLIMSurface rounded = roundTrip(surface, 0.2);
@@ -156,8 +138,7 @@ TEST(RoundedSlim, KeepsTrimMapsExactly)
   }
 }
 
-TEST(RoundedSlim, KeepsColoursButForTheTurnOfTheirFrame)
-{
+TEST(RoundedSlim, KeepsColoursButForTheTurnOfTheirFrame) {
   SLIMSurface surface = flatSphere(4, 200);
   std::mt19937 random(3);
   for (std::size_t k = 0; k < surface.size() * kColorBytes; ++k) {
@@ -173,8 +154,7 @@ TEST(RoundedSlim, KeepsColoursButForTheTurnOfTheirFrame)
   }
 }
 
-TEST(RoundedSlim, NumbersOutOfProportionStayFloats)
-{
+TEST(RoundedSlim, NumbersOutOfProportionStayFloats) {
   SLIMSurface surface = sphereSurface(2, 10);
   surface.coefficients[0] = 0x1p30f;
   surface.radius[0] = 0x1p20f;
@@ -182,8 +162,7 @@ TEST(RoundedSlim, NumbersOutOfProportionStayFloats)
   EXPECT_EQ(encodeSlim(SLIMSurface(), 0.1), encodeSlim(SLIMSurface()));
 }
 
-TEST(RoundedSlim, EveryFlippedBitAndEveryTruncationIsNoticed)
-{
+TEST(RoundedSlim, EveryFlippedBitAndEveryTruncationIsNoticed) {
   SLIMSurface surface = sphereSurface(2, 10);
   setRandomTrimMaps(surface);
   const auto bytes = encodeSlim(surface, 0.1);
@@ -196,8 +175,7 @@ TEST(RoundedSlim, EveryFlippedBitAndEveryTruncationIsNoticed)
 }
 
 /** Damage behind a checksum that fits it: what a hostile file has. */
-TEST(RoundedSlim, ForgedBytesGiveAnErrorOrAValidSurface)
-{
+TEST(RoundedSlim, ForgedBytesGiveAnErrorOrAValidSurface) {
   SLIMSurface surface = sphereSurface(4, 60);
   setRandomTrimMaps(surface);
   const auto bytes = encodeSlim(surface, 0.1);

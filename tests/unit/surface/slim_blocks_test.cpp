@@ -18,18 +18,14 @@ using namespace pcl_slim;
 using namespace pcl_slim_test;
 
 /** A surface whose surfels ascend in x, so that slices lie side by side. */
-SLIMSurface
-someSurface()
-{
+SLIMSurface someSurface() {
   SLIMSurface surface = sphereSurface(3, 400);
   setRandomTrimMaps(surface);
   return surface;
 }
 
-Error
-writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blocks,
-            double rounding = 0.0)
-{
+Error writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blocks,
+                  double rounding = 0.0) {
   SlimBlockWriter writer;
   if (Error error = writer.open(path, rounding)) return error;
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -40,8 +36,7 @@ writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blo
   return writer.finish();
 }
 
-TEST(SlimBlocks, GiveTheWholeSurfaceBack)
-{
+TEST(SlimBlocks, GiveTheWholeSurfaceBack) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   const SLIMSurface surface = someSurface();
@@ -54,8 +49,7 @@ TEST(SlimBlocks, GiveTheWholeSurfaceBack)
   EXPECT_FALSE(loaded->child_begin.empty());
 }
 
-TEST(SlimBlocks, CanBeRounded)
-{
+TEST(SlimBlocks, CanBeRounded) {
   const TemporaryFolder folder;
   const std::string whole = folder / "a.slim", rounded = folder / "b.slim";
   const SLIMSurface surface = someSurface();
@@ -69,8 +63,7 @@ TEST(SlimBlocks, CanBeRounded)
   EXPECT_EQ(loaded->numLeaves(), surface.numLeaves());
 }
 
-TEST(SlimBlocks, AreFoundByDirectoryAndBox)
-{
+TEST(SlimBlocks, AreFoundByDirectoryAndBox) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   const SLIMSurface surface = someSurface();
@@ -111,8 +104,7 @@ TEST(SlimBlocks, AreFoundByDirectoryAndBox)
   EXPECT_LT(corner->size(), surface.size());
 }
 
-TEST(SlimBlocks, AreReadOnceWhileTheyAreKept)
-{
+TEST(SlimBlocks, AreReadOnceWhileTheyAreKept) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   const SLIMSurface surface = someSurface();
@@ -139,8 +131,7 @@ TEST(SlimBlocks, AreReadOnceWhileTheyAreKept)
   EXPECT_FALSE(reader.load(some, kAll));
 }
 
-TEST(SlimBlocks, AnyChangedByteIsNoticed)
-{
+TEST(SlimBlocks, AnyChangedByteIsNoticed) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   ASSERT_FALSE(writeBlocks(path, someSurface(), 3));
@@ -152,8 +143,7 @@ TEST(SlimBlocks, AnyChangedByteIsNoticed)
   }
 }
 
-TEST(SlimBlocks, ACutOffFileIsAnError)
-{
+TEST(SlimBlocks, ACutOffFileIsAnError) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   ASSERT_FALSE(writeBlocks(path, someSurface(), 3));
@@ -165,8 +155,7 @@ TEST(SlimBlocks, ACutOffFileIsAnError)
   }
 }
 
-TEST(SlimBlocks, AFileOfOneSurfaceIsOneBlock)
-{
+TEST(SlimBlocks, AFileOfOneSurfaceIsOneBlock) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.slim";
   const SLIMSurface surface = someSurface();
@@ -178,8 +167,7 @@ TEST(SlimBlocks, AFileOfOneSurfaceIsOneBlock)
   EXPECT_EQ(loadSlimBlocks(folder / "none.slim", nullptr).error().code, ErrorCode::kIo);
 }
 
-TEST(SlimBlocks, NothingAppearsWithoutASurfel)
-{
+TEST(SlimBlocks, NothingAppearsWithoutASurfel) {
   const TemporaryFolder folder;
   SlimBlockWriter writer;
   ASSERT_FALSE(writer.open(folder / "a.slim"));
@@ -187,8 +175,7 @@ TEST(SlimBlocks, NothingAppearsWithoutASurfel)
   EXPECT_TRUE(fileBytes(folder / "a.slim").empty());
 }
 
-TEST(SLIMSurfaceParts, SlicesAppendToTheWhole)
-{
+TEST(SLIMSurfaceParts, SlicesAppendToTheWhole) {
   const SLIMSurface surface = someSurface();
   SLIMSurface joined;
   for (std::size_t begin = 0; begin < surface.size(); begin += 37)

@@ -13,9 +13,7 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-std::vector<unsigned char>
-fitBytes(const Cloud& cloud, FitParams params, int threads)
-{
+std::vector<unsigned char> fitBytes(const Cloud& cloud, FitParams params, int threads) {
   const PointStore store = pcl_slim_test::storeOf(cloud, threads);
   params.threads = threads;
   SLIMSurface surface;
@@ -24,16 +22,13 @@ fitBytes(const Cloud& cloud, FitParams params, int threads)
   return encodeSlim(surface);
 }
 
-void
-expectSameBytes(const Cloud& cloud, const FitParams& params)
-{
+void expectSameBytes(const Cloud& cloud, const FitParams& params) {
   const auto one = fitBytes(cloud, params, 1);
   ASSERT_GT(one.size(), 1000u);
   for (const int threads : {1, 2, 8}) EXPECT_EQ(fitBytes(cloud, params, threads), one) << threads;
 }
 
-TEST(Determinism, OfTheDefault)
-{
+TEST(Determinism, OfTheDefault) {
   for (const double noise : {0.0, 0.002}) {
     const Cloud cloud = sceneCloud(Shape::kBumpy, 20000, noise, 0.1);
     expectSameBytes(cloud, {});
@@ -41,8 +36,7 @@ TEST(Determinism, OfTheDefault)
   }
 }
 
-TEST(Determinism, OfTheOtherModes)
-{
+TEST(Determinism, OfTheOtherModes) {
   const Cloud cloud = sceneCloud(Shape::kRelief, 8000, 0.0005, 0.1);
   FitParams robust, local, sharp, threshold, paper, compact;
   local.local_noise = true;
@@ -60,16 +54,14 @@ TEST(Determinism, OfTheOtherModes)
   expectSameBytes(sceneCloud(Shape::kTorus, 20000, 0.003, 0.05), data);
 }
 
-TEST(Determinism, SeedsDiffer)
-{
+TEST(Determinism, SeedsDiffer) {
   const Cloud cloud = sceneCloud(Shape::kTorus, 6000, 0.0005);
   FitParams one, two;
   two.seed = 2;
   EXPECT_NE(fitBytes(cloud, one, 1), fitBytes(cloud, two, 1));
 }
 
-TEST(Determinism, OfProjection)
-{
+TEST(Determinism, OfProjection) {
   auto f =
       pcl_slim_test::fitted(sceneCloud(Shape::kBumpy, 20000, 0.001).withoutNormals(), {}, true);
   ProjectionParams params;
@@ -85,8 +77,7 @@ TEST(Determinism, OfProjection)
   }
 }
 
-TEST(Determinism, SurvivesTheFile)
-{
+TEST(Determinism, SurvivesTheFile) {
   auto f = pcl_slim_test::fitted(sceneCloud(Shape::kTorus, 6000, 0.001));
   const auto bytes = encodeSlim(f.surface);
   const auto loaded = decodeSlim(bytes.data(), bytes.size());

@@ -17,16 +17,12 @@ using namespace pcl_slim_test;
 
 constexpr std::size_t kHeaderBytes = 136;
 
-std::string
-decodeError(const std::vector<unsigned char>& bytes)
-{
+std::string decodeError(const std::vector<unsigned char>& bytes) {
   const auto surface = decodeSlim(bytes.data(), bytes.size());
   return surface ? "" : surface.error().message;
 }
 
-void
-expectSame(const SLIMSurface& a, const SLIMSurface& b)
-{
+void expectSame(const SLIMSurface& a, const SLIMSurface& b) {
   for (const auto column :
        {&SLIMSurface::cx, &SLIMSurface::cy, &SLIMSurface::cz, &SLIMSurface::radius,
         &SLIMSurface::nx, &SLIMSurface::ny, &SLIMSurface::nz, &SLIMSurface::coefficients,
@@ -54,8 +50,7 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
 
 class SurfaceIo : public testing::TestWithParam<int> {};
 
-TEST_P(SurfaceIo, GivesTheSurfaceBackExactly)
-{
+TEST_P(SurfaceIo, GivesTheSurfaceBackExactly) {
   const SLIMSurface surface = sphereSurface(GetParam(), 500);
   const auto bytes = encodeSlim(surface);
   const auto again = decodeSlim(bytes.data(), bytes.size());
@@ -64,8 +59,7 @@ TEST_P(SurfaceIo, GivesTheSurfaceBackExactly)
   EXPECT_EQ(bytes, encodeSlim(*again));
 }
 
-TEST_P(SurfaceIo, GivesDoubtsBack)
-{
+TEST_P(SurfaceIo, GivesDoubtsBack) {
   SLIMSurface surface = sphereSurface(GetParam(), 50);
   surface.info.sides_in_doubt = true;
   const auto bytes = encodeSlim(surface);
@@ -74,8 +68,7 @@ TEST_P(SurfaceIo, GivesDoubtsBack)
   expectSame(surface, *again);
 }
 
-TEST_P(SurfaceIo, GivesTrimMapsBackExactly)
-{
+TEST_P(SurfaceIo, GivesTrimMapsBackExactly) {
   SLIMSurface surface = sphereSurface(GetParam(), 300);
   const auto closed = encodeSlim(surface);
   setRandomTrimMaps(surface);
@@ -89,8 +82,7 @@ TEST_P(SurfaceIo, GivesTrimMapsBackExactly)
   EXPECT_EQ(bytes, encodeSlim(*again));
 }
 
-TEST_P(SurfaceIo, HoldsTheFloatsItPromises)
-{
+TEST_P(SurfaceIo, HoldsTheFloatsItPromises) {
   SLIMSurface surface = sphereSurface(GetParam(), 100);
   for (auto& degree : surface.degree) degree = static_cast<std::uint8_t>(GetParam());
   for (std::size_t i = 0; GetParam() == 1 && i < surface.size(); ++i) {
@@ -103,8 +95,7 @@ TEST_P(SurfaceIo, HoldsTheFloatsItPromises)
             kHeaderBytes + 100 * (floats[GetParam() - 1] * sizeof(float) + beside));
 }
 
-TEST(SurfaceIo, ALinearSurfelWhoseFrameIsNotItsPlanesHasNineFloats)
-{
+TEST(SurfaceIo, ALinearSurfelWhoseFrameIsNotItsPlanesHasNineFloats) {
   SLIMSurface surface = sphereSurface(1, 100);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     surface.coefficients[3 * i + 1] = i < 40 ? 0.25f : 0.0f;
@@ -115,8 +106,7 @@ TEST(SurfaceIo, ALinearSurfelWhoseFrameIsNotItsPlanesHasNineFloats)
             kHeaderBytes + 100 * beside + (40 * 9 + 60 * 7) * sizeof(float));
 }
 
-TEST(SurfaceIo, AFitOfDegreeOneHasSevenFloatsASurfel)
-{
+TEST(SurfaceIo, AFitOfDegreeOneHasSevenFloatsASurfel) {
   FitParams params;
   params.degree = 1;
   params.trim = false;
@@ -128,8 +118,7 @@ TEST(SurfaceIo, AFitOfDegreeOneHasSevenFloatsASurfel)
 
 INSTANTIATE_TEST_SUITE_P(Degrees, SurfaceIo, testing::Range(1, 5));
 
-TEST(SurfaceIo, NormalsOffTheGridStayWithinItsReach)
-{
+TEST(SurfaceIo, NormalsOffTheGridStayWithinItsReach) {
   SLIMSurface surface = sphereSurface(2, 200);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const double n[3] = {surface.nx[i] + 0.1, surface.ny[i], surface.nz[i]};
@@ -149,8 +138,7 @@ TEST(SurfaceIo, NormalsOffTheGridStayWithinItsReach)
   EXPECT_EQ(bytes, encodeSlim(*again));
 }
 
-TEST(SurfaceIo, EmptySurfaceIsAFileToo)
-{
+TEST(SurfaceIo, EmptySurfaceIsAFileToo) {
   SLIMSurface surface;
   const auto bytes = encodeSlim(surface);
   const auto again = decodeSlim(bytes.data(), bytes.size());
@@ -158,8 +146,7 @@ TEST(SurfaceIo, EmptySurfaceIsAFileToo)
   EXPECT_TRUE(again->empty());
 }
 
-TEST(SurfaceIo, EveryTruncationIsNamed)
-{
+TEST(SurfaceIo, EveryTruncationIsNamed) {
   SLIMSurface open = sphereSurface(3, 20);
   setRandomTrimMaps(open);
   const auto bytes = encodeSlim(open);
@@ -173,8 +160,7 @@ TEST(SurfaceIo, EveryTruncationIsNamed)
   }
 }
 
-TEST(SurfaceIo, EveryFlippedBitIsFound)
-{
+TEST(SurfaceIo, EveryFlippedBitIsFound) {
   const auto bytes = encodeSlim(sphereSurface(2, 10));
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     auto damaged = bytes;
@@ -183,8 +169,7 @@ TEST(SurfaceIo, EveryFlippedBitIsFound)
   }
 }
 
-TEST(SurfaceIo, ForeignNewerAndLongerFilesAreTold)
-{
+TEST(SurfaceIo, ForeignNewerAndLongerFilesAreTold) {
   auto bytes = encodeSlim(sphereSurface(2, 10));
   EXPECT_NE(decodeError({'p', 'l', 'y', '\n', 0, 0, 0, 0, 0, 0}).find("not a .slim file"),
             std::string::npos);
@@ -195,8 +180,7 @@ TEST(SurfaceIo, ForeignNewerAndLongerFilesAreTold)
   EXPECT_NE(decodeError(bytes).find("followed by other data"), std::string::npos);
 }
 
-TEST(SurfaceIo, FilesAppearOnlyWhenComplete)
-{
+TEST(SurfaceIo, FilesAppearOnlyWhenComplete) {
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(4, 50);
   const std::string path = folder / "sphere.slim";

@@ -18,8 +18,7 @@ using namespace pcl_slim_test;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-TEST(Surface, NamesItsDefects)
-{
+TEST(Surface, NamesItsDefects) {
   EXPECT_FALSE(sphereSurface(4, 40).validate());
   EXPECT_FALSE(SLIMSurface().validate());
   const std::function<void(SLIMSurface&)> defects[] = {
@@ -68,8 +67,7 @@ TEST(Surface, NamesItsDefects)
   }
 }
 
-TEST(Surface, FlippingKeepsTheZeroSet)
-{
+TEST(Surface, FlippingKeepsTheZeroSet) {
   SLIMSurface s = sphereSurface(4, 30);
   const SLIMSurface before = s;
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -97,16 +95,14 @@ TEST(Surface, FlippingKeepsTheZeroSet)
   EXPECT_EQ(s.coefficients, before.coefficients);
 }
 
-TEST(Surface, CountsLeavesAndLevels)
-{
+TEST(Surface, CountsLeavesAndLevels) {
   const SLIMSurface s = sphereSurface(3, 100);
   EXPECT_EQ(s.numLeaves(), 80u);
   EXPECT_EQ(s.numLevels(), 2u);
   EXPECT_EQ(SLIMSurface().numLevels(), 0u);
 }
 
-TEST(Surface, CentresAreExactInTheFloatsOfTheWorld)
-{
+TEST(Surface, CentresAreExactInTheFloatsOfTheWorld) {
   auto cloud = pcl_slim_test::sceneCloud(Shape::kTorus, 3000, 0.001);
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     cloud.points[i] = 3.7 * cloud.points[i] + 41.3;
@@ -119,8 +115,7 @@ TEST(Surface, CentresAreExactInTheFloatsOfTheWorld)
 }
 
 /** Sum of blending weights of the leaves at every stored point; 0: no leaf's ball holds it. */
-TEST(Surface, LeavesHoldEveryCoveredPoint)
-{
+TEST(Surface, LeavesHoldEveryCoveredPoint) {
   for (const bool normals : {true, false}) {
     auto cloud = pcl_slim_test::sceneCloud(Shape::kRelief, 5000, 0.0005);
     if (!normals) cloud = cloud.withoutNormals();
@@ -145,8 +140,7 @@ TEST(Surface, LeavesHoldEveryCoveredPoint)
   }
 }
 
-TEST(Surface, RadiiShrinkWithTheLevels)
-{
+TEST(Surface, RadiiShrinkWithTheLevels) {
   const auto f = pcl_slim_test::fitted(pcl_slim_test::sceneCloud(Shape::kRelief, 8000, 0.0));
   const SLIMSurface& s = f.surface;
   ASSERT_GT(s.numLevels(), 2u);

@@ -14,16 +14,13 @@ namespace {
 using namespace pcl_slim_test;
 
 /** Red of a polynomial at (u, v). */
-double
-redAt(const ColorPolynomial& color, double u, double v)
-{
+double redAt(const ColorPolynomial& color, double u, double v) {
   float c[kColorTerms];
   for (std::size_t k = 0; k < color.size(); ++k) c[k] = color[k][0];
   return evaluateHeight(kColorDegree, c, u, v);
 }
 
-TEST(SurfelColor, RoundsToItsStepAndClampsWhatIsOutOfRange)
-{
+TEST(SurfelColor, RoundsToItsStepAndClampsWhatIsOutOfRange) {
   ColorPolynomial color{};
   color[0] = {-3.0f, 99.6f, 400.0f};
   color[1] = {7.1f, -7.1f, 1e9f};
@@ -39,8 +36,7 @@ TEST(SurfelColor, RoundsToItsStepAndClampsWhatIsOutOfRange)
   EXPECT_TRUE(std::equal(bytes, bytes + kColorBytes, twice));
 }
 
-TEST(SurfelColor, StaysInPlaceWhenItsSurfelIsTurnedRound)
-{
+TEST(SurfelColor, StaysInPlaceWhenItsSurfelIsTurnedRound) {
   SLIMSurface surface = sphereSurface(2, 20);
   setRandomColors(surface);
   const ColorPolynomial before = decodeColor(surface.colors.data());
@@ -53,8 +49,7 @@ TEST(SurfelColor, StaysInPlaceWhenItsSurfelIsTurnedRound)
   EXPECT_EQ(decodeColor(surface.colors.data()), before);
 }
 
-TEST(SurfelColor, IsInFilesOfItsOwnVersion)
-{
+TEST(SurfelColor, IsInFilesOfItsOwnVersion) {
   for (const bool open : {false, true}) {
     SLIMSurface surface = sphereSurface(3, 120);
     if (open) setRandomTrimMaps(surface);
@@ -72,8 +67,7 @@ TEST(SurfelColor, IsInFilesOfItsOwnVersion)
   }
 }
 
-TEST(SurfelColor, GoesWithPartsAndTiles)
-{
+TEST(SurfelColor, GoesWithPartsAndTiles) {
   SLIMSurface surface = sphereSurface(2, 50);
   setRandomColors(surface);
   const SLIMSurface low = surface.slice(0, 20), high = surface.slice(20, 50);

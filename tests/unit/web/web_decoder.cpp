@@ -14,9 +14,7 @@ using namespace detail;
 namespace {
 
 /** \brief Inverse of gzip(). */
-Result<std::vector<unsigned char>>
-gunzip(const std::vector<unsigned char>& bytes)
-{
+Result<std::vector<unsigned char>> gunzip(const std::vector<unsigned char>& bytes) {
   z_stream stream{};
   if (inflateInit2(&stream, 15 + 16) != Z_OK) return badInput("out of memory");
   stream.next_in = const_cast<unsigned char*>(bytes.data());
@@ -37,25 +35,19 @@ gunzip(const std::vector<unsigned char>& bytes)
   return out;
 }
 
-float
-floatOf(std::uint32_t bits)
-{
+float floatOf(std::uint32_t bits) {
   float value;
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }
 
 /** \brief Inverse of gridCode(). */
-float
-gridCoordinate(std::uint32_t code)
-{
+float gridCoordinate(std::uint32_t code) {
   return static_cast<float>(code / kNormalGrid - 1.0);
 }
 
 /** \brief Inverse of zigzag(). */
-double
-unzigzag(std::uint32_t code)
-{
+double unzigzag(std::uint32_t code) {
   return code % 2 == 0 ? 0.5 * code : -0.5 * (code + 1.0);
 }
 
@@ -64,8 +56,7 @@ class PlaneReader {
  public:
   explicit PlaneReader(const std::vector<unsigned char>& data) : data_(data) {}
 
-  std::vector<std::uint32_t> get(std::size_t count, int bytes)
-  {
+  std::vector<std::uint32_t> get(std::size_t count, int bytes) {
     failed_ = failed_ || count > left() / static_cast<std::size_t>(bytes);
     if (failed_) return {};
     std::vector<std::uint32_t> column(count, 0);
@@ -75,14 +66,12 @@ class PlaneReader {
     return column;
   }
 
-  std::uint32_t getNumber()
-  {
+  std::uint32_t getNumber() {
     const auto one = get(1, 4);
     return failed_ ? 0 : one[0];
   }
 
-  double getDouble()
-  {
+  double getDouble() {
     const std::uint64_t low = getNumber(), bits = low | static_cast<std::uint64_t>(getNumber())
                                                             << 32;
     double value;
@@ -104,8 +93,7 @@ class Unpacker {
  public:
   explicit Unpacker(const std::vector<unsigned char>& bytes) : in_(bytes) {}
 
-  Result<WebSurface> unpack()
-  {
+  Result<WebSurface> unpack() {
     const Error damaged = badInput("the page's data are damaged; save the page again");
     if (!getHeader()) return damaged;
     SLIMSurface& s = web_.surface;
@@ -124,8 +112,7 @@ class Unpacker {
 
  private:
   /** \return false for bytes that are no header of this version */
-  bool getHeader()
-  {
+  bool getHeader() {
     if (in_.getNumber() != kWebMagic) return false;
     header_.surfels = in_.getNumber();
     header_.leaves = in_.getNumber();
@@ -146,22 +133,19 @@ class Unpacker {
 
   /** \param[in] valueOf float(std::uint32_t code) */
   template <typename ValueOf>
-  void getColumn(int bytes, std::vector<float>& column, const ValueOf& valueOf)
-  {
+  void getColumn(int bytes, std::vector<float>& column, const ValueOf& valueOf) {
     const auto codes = in_.get(n_, bytes);
     column.resize(n_);
     for (std::size_t i = 0; i < codes.size(); ++i) column[i] = valueOf(codes[i]);
   }
 
-  void getLogarithms(std::vector<float>& column, const LogScale& scale)
-  {
+  void getLogarithms(std::vector<float>& column, const LogScale& scale) {
     if (exact()) return getColumn(4, column, floatOf);
     getColumn(scale.bytes, column,
               [&](std::uint32_t code) { return static_cast<float>(scale.value(code)); });
   }
 
-  void getBalls()
-  {
+  void getBalls() {
     SLIMSurface& s = web_.surface;
     std::vector<float>* const axes[3] = {&s.cx, &s.cy, &s.cz};
     if (exact()) {
@@ -189,8 +173,7 @@ class Unpacker {
     getLogarithms(s.error, header_.error);
   }
 
-  void getDetail()
-  {
+  void getDetail() {
     SLIMSurface& s = web_.surface;
     const auto level = in_.get(n_, 1), degree = in_.get(n_, 1);
     if (in_.failed()) return;
@@ -204,8 +187,7 @@ class Unpacker {
     for (float& size : web_.parent) size = size > 0.0f ? size : DetailSizes::kNoParent;
   }
 
-  void getCoefficients()
-  {
+  void getCoefficients() {
     SLIMSurface& s = web_.surface;
     const auto stride = static_cast<std::size_t>(s.stride());
     for (std::size_t k = 0; k < stride; ++k) {
@@ -220,8 +202,7 @@ class Unpacker {
     }
   }
 
-  std::vector<std::uint32_t> getEscaped()
-  {
+  std::vector<std::uint32_t> getEscaped() {
     auto codes = in_.get(n_, 1);
     const auto large = static_cast<std::size_t>(std::count(codes.begin(), codes.end(), kEscape));
     const auto values = in_.get(large, 3);
@@ -233,8 +214,7 @@ class Unpacker {
     return codes;
   }
 
-  void getTrimMaps()
-  {
+  void getTrimMaps() {
     std::vector<std::uint8_t> sides(n_, 0), bits;
     const auto read = in_.get(n_, 1);
     for (std::size_t i = 0; i < read.size(); ++i) {
@@ -258,8 +238,7 @@ class Unpacker {
     web_.surface.setTrimMaps(sides, bits);
   }
 
-  void getColors()
-  {
+  void getColors() {
     std::vector<std::uint8_t>& colors = web_.surface.colors;
     if (n_ > in_.left() / kColorBytes) return;  // bytes are missing or left over: damaged
     colors.resize(n_ * kColorBytes);
@@ -282,9 +261,7 @@ class Unpacker {
 
 }  // namespace
 
-Result<WebSurface>
-decodeWebSurface(const std::vector<unsigned char>& bytes)
-{
+Result<WebSurface> decodeWebSurface(const std::vector<unsigned char>& bytes) {
   const auto columns = gunzip(bytes);
   if (!columns) return columns.error();
   return Unpacker(*columns).unpack();

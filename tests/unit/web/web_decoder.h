@@ -14,9 +14,8 @@ struct WebSurface {
   std::vector<float> own, parent;  ///< detail::DetailSizes
 };
 
-/** \brief Inverse of encodeWebSurface(), as the viewer does it. Truncated, damaged or foreign bytes give
- * an error. */
-Result<WebSurface>
-decodeWebSurface(const std::vector<unsigned char>& bytes);
+/** \brief Inverse of encodeWebSurface(), as the viewer does it. Truncated, damaged or foreign bytes
+ * give an error. */
+Result<WebSurface> decodeWebSurface(const std::vector<unsigned char>& bytes);
 
 }  // namespace pcl_slim::test

@@ -24,18 +24,15 @@ namespace {
 using namespace test;
 using measure::Shape;
 
-SLIMSurface
-fittedSurface(Shape shape, int degree, std::size_t points = 15000, double noise = 0.0005)
-{
+SLIMSurface fittedSurface(Shape shape, int degree, std::size_t points = 15000,
+                          double noise = 0.0005) {
   FitParams params;
   params.degree = degree;
   const auto cloud = pcl_slim_test::sceneCloud(shape, points, noise);
   return pcl_slim_test::fitted(cloud.withoutNormals(), params).surface;
 }
 
-WebSurface
-throughPage(const SLIMSurface& surface, double precision)
-{
+WebSurface throughPage(const SLIMSurface& surface, double precision) {
   const auto bytes = encodeWebSurface(surface, precision);
   EXPECT_TRUE(bytes) << bytes.error().message;
   auto web = decodeWebSurface(*bytes);
@@ -44,9 +41,7 @@ throughPage(const SLIMSurface& surface, double precision)
 }
 
 /** \brief How a surface differs from the one that the camera frames, in double. */
-FrameDifference
-difference(const SLIMSurface& seen, const SLIMSurface& truth)
-{
+FrameDifference difference(const SLIMSurface& seen, const SLIMSurface& truth) {
   RenderParams params;
   const Camera camera = fitCamera(spheresOf(truth), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
   GBuffer buffers[2];
@@ -55,8 +50,7 @@ difference(const SLIMSurface& seen, const SLIMSurface& truth)
   return compareFrames(buffers[0], buffers[1], truth.info.diagonal);
 }
 
-TEST(WebSurface, WithoutRoundingIsTheSurface)
-{
+TEST(WebSurface, WithoutRoundingIsTheSurface) {
   const SLIMSurface surface = fittedSurface(Shape::kRelief, 4);
   ASSERT_TRUE(surface.hasTrimMaps());
   const WebSurface web = throughPage(surface, 0.0);
@@ -72,8 +66,7 @@ TEST(WebSurface, WithoutRoundingIsTheSurface)
   EXPECT_EQ(d.leaves, 0u);
 }
 
-TEST(WebSurface, RoundedIsNearIt)
-{
+TEST(WebSurface, RoundedIsNearIt) {
   for (const Shape shape : {Shape::kBumpy, Shape::kRelief}) {
     for (const int degree : {1, 2, 3, 4}) {
       const SLIMSurface surface = fittedSurface(shape, degree);
@@ -90,9 +83,7 @@ TEST(WebSurface, RoundedIsNearIt)
 }
 
 /** \brief A percentile of the differences of two surfaces' colours, of 255, where both are seen. */
-double
-colorDifference(const SLIMSurface& seen, const SLIMSurface& truth, double share)
-{
+double colorDifference(const SLIMSurface& seen, const SLIMSurface& truth, double share) {
   RenderParams params;
   const Camera camera = fitCamera(spheresOf(truth), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
   GBuffer a, b;
@@ -108,8 +99,7 @@ colorDifference(const SLIMSurface& seen, const SLIMSurface& truth, double share)
   return percentile(differences, share);
 }
 
-TEST(WebSurface, HasTheSurfacesColours)
-{
+TEST(WebSurface, HasTheSurfacesColours) {
   SLIMSurface surface = fittedSurface(Shape::kBumpy, 3);
   pcl_slim_test::setRandomColors(surface);  // at worst: from leaf to leaf anything
   EXPECT_LT(colorDifference(throughPage(surface, 0.0).surface, surface, 0.999), 0.01);
@@ -119,8 +109,7 @@ TEST(WebSurface, HasTheSurfacesColours)
   EXPECT_LT(colorDifference(rounded.surface, surface, 0.99), 3.0);
 }
 
-TEST(WebSurface, OfASphereIsTheSphere)
-{
+TEST(WebSurface, OfASphereIsTheSphere) {
   // Balls of a quarter of the sphere: steps per radius are as long as those of small balls.
   const WebSurface web = throughPage(sphereSurface(4, kSphere, 400, 0.06), 640.0);
   const Camera camera = frontCamera(80, 60);
@@ -132,8 +121,7 @@ TEST(WebSurface, OfASphereIsTheSphere)
   EXPECT_LT(worst.normal, 2e-3);
 }
 
-TEST(WebSurface, HasSizesForALevelOfDetail)
-{
+TEST(WebSurface, HasSizesForALevelOfDetail) {
   const SLIMSurface surface = fittedSurface(Shape::kBumpy, 2);
   const WebSurface web = throughPage(surface, 640.0);
   const detail::DetailSizes sizes(surface);
@@ -151,8 +139,7 @@ TEST(WebSurface, HasSizesForALevelOfDetail)
   EXPECT_EQ(orphans(web.parent), orphans(sizes.parent));
 }
 
-TEST(WebSurface, IsSmall)
-{
+TEST(WebSurface, IsSmall) {
   const SLIMSurface surface = fittedSurface(Shape::kBumpy, 4, 40000, 0.0);
   const auto bytes = encodeWebSurface(surface);
   ASSERT_TRUE(bytes);
@@ -162,8 +149,7 @@ TEST(WebSurface, IsSmall)
   EXPECT_EQ(*bytes, *again);
 }
 
-TEST(WebSurface, DamageIsFound)
-{
+TEST(WebSurface, DamageIsFound) {
   SLIMSurface sphere = sphereSurface(2, kSphere, 100, 0.08);
   const auto bytes = encodeWebSurface(sphere);
   pcl_slim_test::setRandomColors(sphere);
@@ -182,8 +168,7 @@ TEST(WebSurface, DamageIsFound)
   }
 }
 
-TEST(WebSurface, RefusesWhatCannotBe)
-{
+TEST(WebSurface, RefusesWhatCannotBe) {
   const SLIMSurface sphere = sphereSurface(2, kSphere, 100, 0.08);
   for (const double precision : {-1.0, 1.0, 1e9, std::nan("")}) {
     EXPECT_EQ(encodeWebSurface(sphere, precision).error().code, ErrorCode::kBadArgument);

@@ -20,8 +20,8 @@ namespace pcl_slim::detail {
 
 constexpr double kReachMargin = 1.001;  ///< widens how far a level's balls reach, for rounding
 
-/** \brief Points of a store, cut into runs of one Morton cell each; cells have eight colours, and those
- * of one never touch. */
+/** \brief Points of a store, cut into runs of one Morton cell each; cells have eight colours, and
+ * those of one never touch. */
 class CoverCells {
  public:
   struct Cell {
@@ -29,8 +29,8 @@ class CoverCells {
     std::uint64_t code;
   };
 
-  /** \brief Cuts points, which ascend, into cells at least twice as wide as a reach. About the number
-   * of cells in time, by steps along the points. */
+  /** \brief Cuts points, which ascend, into cells at least twice as wide as a reach. About the
+   * number of cells in time, by steps along the points. */
   void divide(const PointStore& store, const AlignedVector<std::uint32_t>& points, double reach);
 
   std::size_t size() const { return cells_.size(); }
@@ -47,8 +47,7 @@ class CoverCells {
   /** \brief Calls body(j) for the cells that touch cell i; at the border of the space for some that
    * do not. */
   template <typename Body>
-  void forTouching(std::uint32_t i, const Body& body) const
-  {
+  void forTouching(std::uint32_t i, const Body& body) const {
     for (int step = 0; step < 27; ++step) {
       const std::uint32_t other = beside(i, step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
       if (other != size() && other != i) body(other);
@@ -67,28 +66,25 @@ class CoverCells {
   std::array<std::size_t, 9> color_begin_{};
 };
 
-/** \brief The order in which n places are visited: strides by the golden section, which spread evenly. */
+/** \brief The order in which n places are visited: strides by the golden section, which spread
+ * evenly. */
 class VisitOrder {
  public:
   /** \param[in] n > 0; \param[in] start < n. */
   VisitOrder(std::uint32_t n, std::uint32_t start)
-      : n_(n), start_(start), at_(start), stride_(goldenStride(n))
-  {
-  }
+      : n_(n), start_(start), at_(start), stride_(goldenStride(n)) {}
 
   std::uint32_t at() const { return at_; }
   void advance() { at_ = at_ >= n_ - stride_ ? at_ - (n_ - stride_) : at_ + stride_; }
 
   /** \brief When a place is visited, counted from 0. Call prepareWhen() first. */
-  std::uint32_t when(std::uint32_t place) const
-  {
+  std::uint32_t when(std::uint32_t place) const {
     const std::uint64_t steps = place >= start_ ? place - start_ : place + (n_ - start_);
     return static_cast<std::uint32_t>(steps * inverse_ % n_);
   }
 
   /** \brief Seeks the inverse of the stride modulo n (Euclid). */
-  void prepareWhen()
-  {
+  void prepareWhen() {
     std::int64_t r = n_, next_r = stride_, s = 0, next_s = 1;
     while (next_r != 0) {
       const std::int64_t quotient = r / next_r, rest = r % next_r, old_s = s;
@@ -102,8 +98,7 @@ class VisitOrder {
 
  private:
   /** A step coprime to n near its golden section. */
-  static std::uint32_t goldenStride(std::uint32_t n)
-  {
+  static std::uint32_t goldenStride(std::uint32_t n) {
     auto stride = static_cast<std::uint32_t>(kGolden * n);
     if (stride == 0) return 1;
     while (std::gcd(stride, n) != 1) --stride;
@@ -114,20 +109,18 @@ class VisitOrder {
   std::uint64_t inverse_ = 0;
 };
 
-/** \brief A cell's points that are not done (covered or marked) at their turn, one after another. */
+/** \brief A cell's points that are not done (covered or marked) at their turn, one after another.
+ */
 class CellVisits {
  public:
   /** \param[in] points n > 0 of them, which stay where they are; \param[in] start < n. */
   CellVisits(const std::uint32_t* points, std::uint32_t n, std::uint32_t start)
-      : points_(points), n_(n), patience_(n / 32 + 16), order_(n, start)
-  {
-  }
+      : points_(points), n_(n), patience_(n / 32 + 16), order_(n, start) {}
 
   /** \brief Finds the next point for which is_done(point) is false; once true, it must
    * stay true. \return whether there is one. */
   template <typename IsDone>
-  bool next(const IsDone& is_done, std::uint32_t& point)
-  {
+  bool next(const IsDone& is_done, std::uint32_t& point) {
     for (; visit_ < n_ && in_vain_ < patience_; ++in_vain_) {
       point = points_[order_.at()];
       ++visit_;
@@ -147,8 +140,7 @@ class CellVisits {
 
  private:
   template <typename IsDone>
-  void seekOpen(const IsDone& is_done)
-  {
+  void seekOpen(const IsDone& is_done) {
     order_.prepareWhen();
     for (std::uint32_t i = 0; i < n_; ++i) {
       if (is_done(points_[i])) continue;
@@ -196,8 +188,8 @@ class LevelCover {
  public:
   LevelCover(const PointStore& store, const FitPlan& plan, int threads);
 
-  /** \brief Covers a range of the points only: other points are part of its balls, but are no centres
-   * and are not counted. */
+  /** \brief Covers a range of the points only: other points are part of its balls, but are no
+   * centres and are not counted. */
   LevelCover(const PointStore& store, const FitPlan& plan, int threads, PointRange core);
 
   /** \brief Runs levels from first_level until no point is left. */
@@ -247,8 +239,7 @@ class LevelCover {
   void forSlices(std::size_t count, const Body& body) const;
   void endLevel(std::size_t first_output);
   void dropDone();
-  bool isDone(std::uint32_t point) const
-  {
+  bool isDone(std::uint32_t point) const {
     return coverage_[point] >= plan_.gamma || (marks_[point] & done_marks_) != 0;
   }
 

@@ -12,9 +12,7 @@ namespace pcl_slim::detail {
 namespace {
 
 /** A code one step before or after along an axis, whose bits the mask has. */
-std::uint64_t
-stepAlong(std::uint64_t code, std::uint64_t mask, int step)
-{
+std::uint64_t stepAlong(std::uint64_t code, std::uint64_t mask, int step) {
   const std::uint64_t own = code & mask, one = mask & (0 - mask);
   const std::uint64_t moved = step < 0 ? own - one : step > 0 ? (own | ~mask) + one : own;
   return moved & mask;
@@ -22,9 +20,8 @@ stepAlong(std::uint64_t code, std::uint64_t mask, int step)
 
 /** The end of a run that starts at i: ever longer steps until it is left, then halving the last. */
 template <typename InRun>
-std::size_t
-endOfRun(const AlignedVector<std::uint32_t>& values, std::size_t i, const InRun& in_run)
-{
+std::size_t endOfRun(const AlignedVector<std::uint32_t>& values, std::size_t i,
+                     const InRun& in_run) {
   std::size_t step = 1;
   for (; i + step < values.size() && in_run(values[i + step]); step *= 2) i += step;
   const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i);
@@ -34,10 +31,8 @@ endOfRun(const AlignedVector<std::uint32_t>& values, std::size_t i, const InRun&
 
 }  // namespace
 
-void
-CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& points,
-                   double reach)
-{
+void CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& points,
+                        double reach) {
   // A level may be finer than floats resolve: its reach is 0 then.
   const double levels = std::floor(-std::log2(2.0 * reach));
   const int depth = static_cast<int>(std::clamp(levels, 0.0, double{kMortonBits}));
@@ -54,9 +49,7 @@ CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& 
   orderByColor();
 }
 
-std::uint32_t
-CoverCells::beside(std::uint32_t i, int x, int y, int z) const
-{
+std::uint32_t CoverCells::beside(std::uint32_t i, int x, int y, int z) const {
   constexpr std::uint64_t kZ = 0x1249249249249249ULL, kY = kZ << 1, kX = kZ << 2;
   const std::uint64_t own = cells_[i].code;
   const std::uint64_t code = stepAlong(own, kX, x) | stepAlong(own, kY, y) | stepAlong(own, kZ, z);
@@ -67,9 +60,7 @@ CoverCells::beside(std::uint32_t i, int x, int y, int z) const
   return static_cast<std::uint32_t>((found ? at : cells_.end()) - cells_.begin());
 }
 
-void
-CoverCells::orderByColor()
-{
+void CoverCells::orderByColor() {
   color_begin_.fill(0);
   for (const Cell& cell : cells_) ++color_begin_[colorOf(cell) + 1];
   for (std::size_t c = 0; c < 8; ++c) color_begin_[c + 1] += color_begin_[c];
@@ -85,19 +76,15 @@ CoverCells::orderByColor()
 namespace {
 
 /** The points of a surfel's ball within a reach that are on its side of the normal bound. */
-BallQuery
-queryOf(const SurfelRecord& surfel, float reach, const FitPlan& plan)
-{
+BallQuery queryOf(const SurfelRecord& surfel, float reach, const FitPlan& plan) {
   return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, plan.min_dot};
 }
 
 /** \brief Adds a leaf's weight to the coverage of the points it covers (docs/theory.md, "Cover").
- * \param[in,out] nearby blocks, of a region that contains the leaf's ball \param[in,out] coverage of
- * each stored point */
-void
-addCoverage(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
-            NearbyBlocks& nearby, float* coverage)
-{
+ * \param[in,out] nearby blocks, of a region that contains the leaf's ball \param[in,out] coverage
+ * of each stored point */
+void addCoverage(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
+                 NearbyBlocks& nearby, float* coverage) {
   const CoverConstants& constants = plan.constants.cover;
   const bool supported =
       surfel.effective_count > constants.well_supported * numCoefficients(surfel.degree);
@@ -119,20 +106,17 @@ addCoverage(const PointStore& store, const FitPlan& plan, const SurfelRecord& su
 }
 
 /** \brief Marks the points of an internal ball with the bits of value. */
-void
-markBall(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
-         std::uint8_t value, NearbyBlocks& nearby, std::uint8_t* marks)
-{
+void markBall(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
+              std::uint8_t value, NearbyBlocks& nearby, std::uint8_t* marks) {
   kernels::markPoints(store, nearby.within(surfel.center, surfel.radius),
                       queryOf(surfel, surfel.radius, plan), value, marks);
 }
 
 /** \brief Marks the uncovered points within reach of a stored point with the bits of value.
  * \return the number of points that had none of these bits before. */
-std::uint32_t
-markUncovered(const PointStore& store, const FitPlan& plan, std::uint32_t point, double reach,
-              std::uint8_t value, NearbyBlocks& nearby, const float* coverage, std::uint8_t* marks)
-{
+std::uint32_t markUncovered(const PointStore& store, const FitPlan& plan, std::uint32_t point,
+                            double reach, std::uint8_t value, NearbyBlocks& nearby,
+                            const float* coverage, std::uint8_t* marks) {
   const auto at = store.position(point);
   const std::array<float, 3> center = {static_cast<float>(at[0]), static_cast<float>(at[1]),
                                        static_cast<float>(at[2])};
@@ -157,18 +141,16 @@ constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr std::size_t kFewCells = 256;   ///< up to this number, colours leave threads idle
-/// Share of an internal ball's radius within which it represents points where no leaves are made: a leaf of the
-/// next level about such a point is inside the ball as level of detail needs it (DetailSizes), since
-/// .64 r = .95 r - .5 kGolden r.
+/// Share of an internal ball's radius within which it represents points where no leaves are made: a
+/// leaf of the next level about such a point is inside the ball as level of detail needs it
+/// (DetailSizes), since .64 r = .95 r - .5 kGolden r.
 constexpr float kInnerShare = 0.64f;
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 }  // namespace
 
 LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads)
-    : LevelCover(store, plan, threads, {0, store.size()})
-{
-}
+    : LevelCover(store, plan, threads, {0, store.size()}) {}
 
 LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads, PointRange core)
     : store_(store),
@@ -176,8 +158,7 @@ LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads
       threads_(threads),
       core_(core),
       level_mark_(kFirstLevelMark),
-      done_marks_(kNoFinerMark | kFirstLevelMark)
-{
+      done_marks_(kNoFinerMark | kFirstLevelMark) {
   for (int t = 0; t < threads; ++t) {
     workers_.push_back(std::make_unique<Worker>(store, plan));
   }
@@ -195,16 +176,12 @@ LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads
 }
 
 template <typename Body>
-void
-LevelCover::forSlices(std::size_t count, const Body& body) const
-{
+void LevelCover::forSlices(std::size_t count, const Body& body) const {
   parallelFor((count + kSlice - 1) / kSlice, threads_, 1,
               [&](std::size_t s, int) { body(s * kSlice, std::min(count, (s + 1) * kSlice)); });
 }
 
-Error
-LevelCover::run(int first_level, Progress* progress)
-{
+Error LevelCover::run(int first_level, Progress* progress) {
   const double points = static_cast<double>(core_.size());
   for (int level = first_level;
        !active_.empty() && level <= plan_.constants.cover.last_level && plan_.allows(level);
@@ -226,11 +203,9 @@ LevelCover::run(int first_level, Progress* progress)
   return {};
 }
 
-void
-LevelCover::coverLevel(int level)
-{
-  // A ball marks points within r_r of its centre, which may have moved by largest_shift r_r; a leaf of the
-  // next larger radius covers points within alpha r_r / gamma.
+void LevelCover::coverLevel(int level) {
+  // A ball marks points within r_r of its centre, which may have moved by largest_shift r_r; a leaf
+  // of the next larger radius covers points within alpha r_r / gamma.
   const double moved = 1.0 + plan_.constants.ball.largest_shift;
   cells_.divide(store_, active_,
                 plan_.levelRadius(level) * std::max(moved, plan_.alpha / kGolden) + store_.drift());
@@ -251,17 +226,13 @@ LevelCover::coverLevel(int level)
   endLevel(first);
 }
 
-CellVisits
-LevelCover::visitsOf(const CoverCells::Cell& cell) const
-{
+CellVisits LevelCover::visitsOf(const CoverCells::Cell& cell) const {
   const std::uint32_t n = cell.end - cell.begin;
   const std::uint64_t start = mixBits(plan_.seed ^ mixBits(cell.code + 1)) % n;
   return {active_.data() + cell.begin, n, static_cast<std::uint32_t>(start)};
 }
 
-void
-LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output)
-{
+void LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output) {
   BallFitter& fitter = worker(thread).fitter;
   const auto begin = static_cast<std::uint32_t>(worker(thread).arena.size());
   Output made{thread, begin, begin, false};
@@ -279,22 +250,19 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   output = made;
 }
 
-/** Marks a point as done for good, and the uncovered points that are nearer to it than the spacing of the
- * grid of centres: no ball can cover them. \return the number of the latter. */
-std::uint32_t
-LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
-{
+/** Marks a point as done for good, and the uncovered points that are nearer to it than the spacing
+ * of the grid of centres: no ball can cover them. \return the number of the latter. */
+std::uint32_t LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby) {
   const std::uint32_t count = markUncovered(store_, plan_, point, plan_.leastRadius(), kNoFinerMark,
                                             nearby, coverage_.data(), marks_.data());
   marks_[point] |= kNoFinerMark;
   return count;
 }
 
-/** Covers or marks the points of a fitted ball, as its outcome demands, and stores its surfel, if any. */
-void
-LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
-                 NearbyBlocks& nearby, std::vector<SurfelRecord>& surfels, Output& output)
-{
+/** Covers or marks the points of a fitted ball, as its outcome demands, and stores its surfel, if
+ * any. */
+void LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
+                      NearbyBlocks& nearby, std::vector<SurfelRecord>& surfels, Output& output) {
   output.lasts |= outcome != BallOutcome::kInternal && outcome != BallOutcome::kLine;
   switch (outcome) {
     case BallOutcome::kLeaf:
@@ -331,9 +299,8 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
 }
 
 /** Collects the blocks that any ball of the cell's centres can reach. */
-void
-LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks& nearby) const
-{
+void LevelCover::collectNearby(const CoverCells::Cell& cell, int level,
+                               NearbyBlocks& nearby) const {
   float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
   const BlockTree::Level& boxes = store_.tree().levels().front();
   const std::size_t last = active_[cell.end - 1] / PointStore::kBlock;
@@ -354,11 +321,9 @@ LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks&
   nearby.collect(store_.tree(), low, high);
 }
 
-/** Drops the points that are done. A level that only divided its balls has none to drop: the next one uses
- * another mark and the same points. */
-void
-LevelCover::endLevel(std::size_t first_output)
-{
+/** Drops the points that are done. A level that only divided its balls has none to drop: the next
+ * one uses another mark and the same points. */
+void LevelCover::endLevel(std::size_t first_output) {
   const auto begin = outputs_.begin() + static_cast<std::ptrdiff_t>(first_output);
   const bool lasts = std::any_of(begin, outputs_.end(), [](const Output& o) { return o.lasts; });
   if (lasts || level_mark_ == kLastLevelMark) {
@@ -371,9 +336,7 @@ LevelCover::endLevel(std::size_t first_output)
 }
 
 /** Keeps the points that are neither covered nor done with; level marks are wiped. */
-void
-LevelCover::dropDone()
-{
+void LevelCover::dropDone() {
   std::vector<std::size_t> kept((active_.size() + kSlice - 1) / kSlice);
   forSlices(active_.size(), [&](std::size_t begin, std::size_t end) {
     std::size_t next = begin;
@@ -395,9 +358,7 @@ LevelCover::dropDone()
   active_.resize(end);
 }
 
-PointCounts
-LevelCover::countPoints() const
-{
+PointCounts LevelCover::countPoints() const {
   const std::size_t n = core_.size();
   std::vector<PointCounts> parts((n + kSlice - 1) / kSlice);
   forSlices(n, [&](std::size_t begin, std::size_t end) {
@@ -419,9 +380,7 @@ LevelCover::countPoints() const
   return sum;
 }
 
-void
-LevelCover::countBytes()
-{
+void LevelCover::countBytes() {
   std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
   for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
   bytes += coverage_.size() * sizeof(float) + marks_.size() +
@@ -429,9 +388,7 @@ LevelCover::countBytes()
   peak_bytes_ = std::max(peak_bytes_, bytes);
 }
 
-std::vector<LevelCover::Piece>
-LevelCover::pieces() const
-{
+std::vector<LevelCover::Piece> LevelCover::pieces() const {
   std::vector<Piece> pieces;
   std::size_t first = 0;
   for (const Output& output : outputs_) {
@@ -443,9 +400,7 @@ LevelCover::pieces() const
   return pieces;
 }
 
-BallCounters
-LevelCover::counters() const
-{
+BallCounters LevelCover::counters() const {
   BallCounters sum;
   for (const auto& worker : workers_) {
     const BallCounters counters = worker->fitter.counters();

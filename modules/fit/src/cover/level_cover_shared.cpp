@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Levels of few cells by several threads. A cell waits for those of lower colours that it touches, and
-// for no others. Where fewer cells are ready than there are threads, several fit balls of one cell: a
-// ball's fit does not depend on what others have covered; only whether it is needed does. So fits
-// are made before their turn, and kept in turn.
+// Levels of few cells by several threads. A cell waits for those of lower colours that it touches,
+// and for no others. Where fewer cells are ready than there are threads, several fit balls of one
+// cell: a ball's fit does not depend on what others have covered; only whether it is needed does.
+// So fits are made before their turn, and kept in turn.
 #include <condition_variable>
 #include <list>
 #include <mutex>
@@ -28,8 +28,7 @@ class LevelCover::Sharing {
         level_(level),
         outputs_(outputs),
         waits_for_(cover.cells_.size(), 0),
-        left_(cover.cells_.size())
-  {
+        left_(cover.cells_.size()) {
     const double reach = cover.plan_.levelRadius(level);
     reach_sq_ = reach * reach;
     for (const std::uint32_t cell : cover.cells_.byColor()) {
@@ -41,8 +40,7 @@ class LevelCover::Sharing {
   }
 
   /** One thread's share. An exception of any thread ends the shares of all. */
-  void work(int thread)
-  {
+  void work(int thread) {
     try {
       std::unique_lock<std::mutex> lock(mutex_);
       Nearby nearby{cover_.worker(thread).fitter.nearby()};
@@ -88,16 +86,14 @@ class LevelCover::Sharing {
 
   void begin(std::uint32_t cell) { ready_.push_back({cell, cover_.visitsOf(cover_.cells_[cell])}); }
 
-  void collect(const Cell& cell, Nearby& nearby) const
-  {
+  void collect(const Cell& cell, Nearby& nearby) const {
     if (nearby.of != cell.number)
       cover_.collectNearby(cover_.cells_[cell.number], level_, nearby.blocks);
     nearby.of = cell.number;
   }
 
   /** Keeps the next ball in turn of some cell, or ends a cell. \return false: there is none. */
-  bool keepNext(int thread, Nearby& nearby, std::unique_lock<std::mutex>& lock)
-  {
+  bool keepNext(int thread, Nearby& nearby, std::unique_lock<std::mutex>& lock) {
     for (auto cell = ready_.begin(); cell != ready_.end(); ++cell) {
       if (cell->keeping) continue;
       dropDone(*cell);
@@ -123,8 +119,7 @@ class LevelCover::Sharing {
   }
 
   /** Drops the first centres whose points others cover. */
-  void dropDone(Cell& cell)
-  {
+  void dropDone(Cell& cell) {
     while (!cell.centers.empty() && cell.centers.front().state != State::kRunning &&
            cover_.isDone(cell.centers.front().point))
       drop(cell);
@@ -134,8 +129,7 @@ class LevelCover::Sharing {
   void drop(Cell& cell) { spare_.splice(spare_.end(), cell.centers, cell.centers.begin()); }
 
   /** Outputs the surfels of a finished cell and starts the cells that waited for it. */
-  void end(std::list<Cell>::iterator cell, int thread)
-  {
+  void end(std::list<Cell>::iterator cell, int thread) {
     auto& arena = cover_.worker(thread).arena;
     Output& output = outputs_[cell->number] = cell->output;
     output.thread = thread;
@@ -154,8 +148,7 @@ class LevelCover::Sharing {
 
   /** Fits one centre: of a cell that no thread is at, or of one where centres are apart.
    * \return false: all that wait are likely to be covered by earlier ones. */
-  bool fitNext(int thread, Nearby& nearby, std::unique_lock<std::mutex>& lock)
-  {
+  bool fitNext(int thread, Nearby& nearby, std::unique_lock<std::mutex>& lock) {
     for (const bool alone : {true, false}) {
       for (Cell& cell : ready_) {
         if (cell.keeping || (cell.running == 0) != alone) continue;
@@ -178,8 +171,7 @@ class LevelCover::Sharing {
   }
 
   /** A centre that waits and that no earlier one is likely to cover, or none. */
-  Center* take(Cell& cell)
-  {
+  Center* take(Cell& cell) {
     const Center* apart[kPlaces];
     std::size_t places = 0, seen = 0;
     for (auto at = cell.centers.begin(); places < kPlaces && seen < kCenters; ++at, ++seen) {
@@ -197,8 +189,7 @@ class LevelCover::Sharing {
     return nullptr;
   }
 
-  bool areNear(const Center& a, const Center& b) const
-  {
+  bool areNear(const Center& a, const Center& b) const {
     double distance_sq = 0;
     for (std::size_t k = 0; k < 3; ++k)
       distance_sq += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
@@ -206,8 +197,7 @@ class LevelCover::Sharing {
   }
 
   /** Lets the next centre of a cell wait. \return false: there is none. */
-  bool addNext(Cell& cell)
-  {
+  bool addNext(Cell& cell) {
     std::uint32_t point;
     const auto is_done = [this](std::uint32_t p) { return cover_.isDone(p); };
     if (cell.seen_all || !cell.visits.next(is_done, point)) {
@@ -236,9 +226,7 @@ class LevelCover::Sharing {
   bool failed_ = false;
 };
 
-void
-LevelCover::shareCells(int level, std::size_t first_output)
-{
+void LevelCover::shareCells(int level, std::size_t first_output) {
   Sharing sharing(*this, level, outputs_.data() + first_output);
   const auto workers = static_cast<std::size_t>(threads_);
   parallelFor(workers, threads_, 1, [&](std::size_t, int thread) { sharing.work(thread); });

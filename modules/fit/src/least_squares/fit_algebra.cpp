@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What follows from a fit without another look at its points: fits of lower degree, and heights without bias.
+// What follows from a fit without another look at its points: fits of lower degree, and heights
+// without bias.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -17,9 +18,7 @@ using Small = Eigen::Matrix<double, Eigen::Dynamic, Columns, 0, kMaxCoefficients
 
 }  // namespace
 
-LocalFit
-nestedFit(const LocalFit& fit, int degree)
-{
+LocalFit nestedFit(const LocalFit& fit, int degree) {
   const int size = numCoefficients(degree), all = numCoefficients(fit.degree);
   Small<Eigen::Dynamic> products(size, all);
   for (int p = 0; p < size; ++p) {
@@ -49,9 +48,7 @@ namespace {
 
 /** h_uu + h_vv, a polynomial of a degree lower by two, in the same order of coefficients. */
 template <typename Real>
-std::array<double, kMaxCoefficients>
-laplacian(int degree, const Real* c)
-{
+std::array<double, kMaxCoefficients> laplacian(int degree, const Real* c) {
   std::array<double, kMaxCoefficients> sum{};
   for (int d = 2, k = numCoefficients(1); d <= degree; ++d) {
     double* low = sum.data() + (d - 2) * (d - 1) / 2;
@@ -66,10 +63,8 @@ laplacian(int degree, const Real* c)
 
 /** \param[in] unit_sq the square of r over the unit of c */
 template <typename Real>
-void
-undo(const BiasConstants& constants, WeightKernel kernel, int degree, double share, double unit_sq,
-     Real* c)
-{
+void undo(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+          double unit_sq, Real* c) {
   share = std::min(share, constants.most_share);
   const double truncation = heightTruncation(kernel);
   const auto bend = laplacian(degree, c);
@@ -80,9 +75,7 @@ undo(const BiasConstants& constants, WeightKernel kernel, int degree, double sha
 
 }  // namespace
 
-double
-heightTruncation(WeightKernel kernel)
-{
+double heightTruncation(WeightKernel kernel) {
   switch (kernel) {
     case WeightKernel::kPower2: return 6.0;
     case WeightKernel::kPower4: return 10.0;
@@ -92,17 +85,13 @@ heightTruncation(WeightKernel kernel)
   }
 }
 
-void
-undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
-              float* c)
-{
+void undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+                   float* c) {
   undo(constants, kernel, degree, share, 1.0, c);
 }
 
-void
-undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
-              double rho, double* c)
-{
+void undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+                   double rho, double* c) {
   undo(constants, kernel, degree, share, rho * rho, c);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Weighted least squares of a ball's points: the fit, what follows from its moments without the points, and
-// what noise adds to it on average.
+// Weighted least squares of a ball's points: the fit, what follows from its moments without the
+// points, and what noise adds to it on average.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +39,7 @@ struct LocalFit {
  * difference. For heights alone: slopes as data have moments of their own, which are not kept.
  * \param[in] degree below fit.degree. \return a fit of degree 0 where it cannot be solved. O(P^3).
  */
-LocalFit
-nestedFit(const LocalFit& fit, int degree);
+LocalFit nestedFit(const LocalFit& fit, int degree);
 
 namespace kernels {
 
@@ -50,13 +49,11 @@ namespace kernels {
  * and normals are combined by their variances (Nehab et al. 2005). Falls back to the highest lower
  * degree whose n_eff and pivots allow it. \param[in] support points n_eff needed per coefficient.
  * \param[in] refine one step of iterative refinement, for the fit that is kept. */
-LocalFit
-fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine);
+LocalFit fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+                 bool refine);
 
 /** \brief n_eff = (sum w)^2 / sum w^2 of the weights G(s / rho); 0 for an empty ball. */
-double
-effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel);
+double effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel);
 
 /** \brief u^i v^j. */
 struct Term {
@@ -68,24 +65,18 @@ constexpr Term kTerms[kMaxCoefficients] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1
                                            {4, 0}, {3, 1}, {2, 2}, {1, 3}, {0, 4}};
 
 /** \brief Place of u^i v^j among a polynomial's coefficients. */
-constexpr int
-termIndex(int i, int j)
-{
+constexpr int termIndex(int i, int j) {
   return (i + j) * (i + j + 1) / 2 + j;
 }
 
 /** \brief Place of u^i v^j among the moments up to degree 2D: rows of fixed i. */
-constexpr int
-momentIndex(int degree, int i, int j)
-{
+constexpr int momentIndex(int degree, int i, int j) {
   return i * (2 * degree + 1) - i * (i - 1) / 2 + j;
 }
 
 /** Moments that the products of two terms of degree below D meet, the upper triangle by rows. */
 template <int D>
-constexpr auto
-slopeMoments()
-{
+constexpr auto slopeMoments() {
   constexpr int kTermsOfSlope = numCoefficients(D - 1);
   std::array<int, kTermsOfSlope*(kTermsOfSlope + 1) / 2> at{};
   int next = 0;
@@ -101,9 +92,7 @@ slopeMoments()
  * 2D - 2, so the moments of the normal equations give its mean. moments[0] is the sum of weights.
  */
 template <int D>
-double
-meanSlopeSq(const double* moments, const double* c)
-{
+double meanSlopeSq(const double* moments, const double* c) {
   constexpr int kTermsOfSlope = numCoefficients(D - 1);
   static constexpr auto kAt = slopeMoments<D>();
   double du[kTermsOfSlope] = {}, dv[kTermsOfSlope] = {};
@@ -124,9 +113,7 @@ meanSlopeSq(const double* moments, const double* c)
 }
 
 /** \brief The same for a degree known at run time. */
-inline double
-meanSlopeSq(int degree, const double* moments, const double* c)
-{
+inline double meanSlopeSq(int degree, const double* moments, const double* c) {
   switch (degree) {
     case 1: return meanSlopeSq<1>(moments, c);
     case 2: return meanSlopeSq<2>(moments, c);
@@ -137,9 +124,7 @@ meanSlopeSq(int degree, const double* moments, const double* c)
 
 /** \brief Weighted mean of h^2 over a ball, likewise, for moments up to degree 2 * degree and as
  * many coefficients as a polynomial of that degree has. */
-inline double
-meanSquare(int degree, const double* moments, const double* c)
-{
+inline double meanSquare(int degree, const double* moments, const double* c) {
   double sum = 0;
   for (int p = 0; p < numCoefficients(degree); ++p) {
     double row = 0;
@@ -156,31 +141,28 @@ meanSquare(int degree, const double* moments, const double* c)
 
 /** \brief How fast weights G(s) that fall with the distance in space fall with a point's height.
  *
- * Over a plane they fall by 1 - a/2 (height / r)^2 to second order, so that noise of variance lambda
- * is seen as lambda / (1 + a lambda / r^2). \return a = 2 G(0) / (the integral of G over s^2):
- * 2 (m + 1) for (1 - s^2)^m. */
-double
-heightTruncation(WeightKernel kernel);
+ * Over a plane they fall by 1 - a/2 (height / r)^2 to second order, so that noise of variance
+ * lambda is seen as lambda / (1 + a lambda / r^2). \return a = 2 G(0) / (the integral of G over
+ * s^2): 2 (m + 1) for (1 - s^2)^m. */
+double heightTruncation(WeightKernel kernel);
 
 /** \brief Takes back what noise does to the heights of a least-squares fit, on average.
  *
- * Points are off sideways as well: the mean height of those that end up at (u, v) is
- * h + lambda/2 (h_uu + h_vv) for isotropic noise (errors in variables; waves are worn down, spheres
- * shrink). And weights fall with a point's distance in space, which favours heights near the centre's:
- * they are drawn to it by 1 / (1 + a lambda / r^2), a from heightTruncation(). O(P).
+ * Points are off sideways as well: the mean height of those that end up at (u, v) is h + lambda/2
+ * (h_uu + h_vv) for isotropic noise (errors in variables; waves are worn down, spheres shrink). And
+ * weights fall with a point's distance in space, which favours heights near the centre's: they are
+ * drawn to it by 1 / (1 + a lambda / r^2), a from heightTruncation(). O(P).
  *
  * \param[in] kernel the weights of the fit
  * \param[in] share lambda / r^2, the noise variance in units of the ball; balls that the noise
  * fills would amplify it, so no more than constants.most_share is taken back
  * \param[in,out] c numCoefficients(degree) values in units of r
  */
-void
-undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
-              float* c);
+void undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+                   float* c);
 
 /** \brief The same for coefficients in another unit of length. \param[in] rho r in that unit */
-void
-undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
-              double rho, double* c);
+void undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+                   double rho, double* c);
 
 }  // namespace pcl_slim::detail

@@ -18,8 +18,8 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What sums in float can resolve (docs/theory.md, "One ball"). No tuning: it follows from the format of the
-// numbers.
+// What sums in float can resolve (docs/theory.md, "One ball"). No tuning: it follows from the
+// format of the numbers.
 constexpr double kPivot = 3e-6;     ///< relative pivots of the normal equations
 constexpr double kResidual = 1e-3;  ///< share of sum w z^2 that differences keep
 
@@ -37,8 +37,7 @@ class NormalEquations {
    * \param[in] uv moments u^i v^j in rows of fixed i; \param[in] z right-hand side;
    * \param[in] slopes where slopes are data, the moments up to degree 2D - 2 of their weights.
    * \return coefficients whose pivots are large enough. */
-  int factor(const double* uv, const double* z, const double* slopes)
-  {
+  int factor(const double* uv, const double* z, const double* slopes) {
     WideVec rows[kSize * kVectors];
     load(uv, z, slopes, rows);
     return countPivots(rows, std::make_integer_sequence<int, kSize>());
@@ -48,16 +47,14 @@ class NormalEquations {
   double explained(int p) const { return rows_[p][kLast] * rows_[p][kLast]; }
 
   /** Solves for the first size coefficients. */
-  void solve(int size, double* c) const
-  {
+  void solve(int size, double* c) const {
     double y[kSize];
     for (int p = 0; p < size; ++p) y[p] = rows_[p][kLast];
     backSubstitute(size, y, c);
   }
 
   /** Adds the solution for another right-hand side b to c. */
-  void solveAndAdd(int size, const double* b, double* c) const
-  {
+  void solveAndAdd(int size, const double* b, double* c) const {
     double y[kSize], delta[kSize] = {};
     for (int p = 0; p < size; ++p) {
       double sum = b[p];
@@ -68,10 +65,9 @@ class NormalEquations {
     for (int p = 0; p < size; ++p) c[p] += delta[p];
   }
 
-  /** The smallest of the first size pivots over its diagonal entry: about 1 over the condition of the
-   * equations, scaled to a unit diagonal. */
-  double leastPivot(int size) const
-  {
+  /** The smallest of the first size pivots over its diagonal entry: about 1 over the condition of
+   * the equations, scaled to a unit diagonal. */
+  double leastPivot(int size) const {
     double least = 1.0;
     for (int p = 0; p < size; ++p) {
       least = std::min(least, kPivot / (inverse_[p] * inverse_[p] * least_[p]));
@@ -80,8 +76,7 @@ class NormalEquations {
   }
 
   /** tr(M A^-1) for the moments M of heights alone: the coefficients that they decide. */
-  double heightTerms(int size, const double* uv) const
-  {
+  double heightTerms(int size, const double* uv) const {
     double trace = 0;
     for (int p = 0; p < size; ++p) {
       double column[kSize], solution[kSize] = {};
@@ -106,8 +101,7 @@ class NormalEquations {
   /** Whether vector k of a row has lanes on or right of its diagonal. */
   static constexpr bool holds(int row, int k) { return (k + 1) * kLanes > row; }
 
-  HWY_INLINE void load(const double* uv, const double* z, const double* slopes, WideVec* rows)
-  {
+  HWY_INLINE void load(const double* uv, const double* z, const double* slopes, WideVec* rows) {
     const Wide d;
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
       constexpr int kRow = at() / kVectors, kVector = at() % kVectors;
@@ -135,8 +129,7 @@ class NormalEquations {
   }
 
   /** Adds the weighted sum of d_u m_p d_u m_q + d_v m_p d_v m_q to the entry of terms p and q. */
-  void addSlopes(const double* slopes)
-  {
+  void addSlopes(const double* slopes) {
     for (int p = 1; p < kSize; ++p) {
       for (int q = p; q < kSize; ++q) {
         const Term a = kTerms[p], b = kTerms[q];
@@ -148,8 +141,7 @@ class NormalEquations {
   }
 
   template <int... P>
-  HWY_INLINE int countPivots(WideVec* rows, std::integer_sequence<int, P...>)
-  {
+  HWY_INLINE int countPivots(WideVec* rows, std::integer_sequence<int, P...>) {
     int count = 0;
     static_cast<void>(((eliminate<P>(rows) && ++count != 0) && ...));
     return count;
@@ -158,8 +150,7 @@ class NormalEquations {
   /** Scales row P and takes it off the rows below. \return false, and nothing done, for no pivot.
    */
   template <int P>
-  HWY_INLINE bool eliminate(WideVec* rows)
-  {
+  HWY_INLINE bool eliminate(WideVec* rows) {
     const Wide d;
     if (!(pivot_ > least_[P])) return false;
     inverse_[P] = 1.0 / std::sqrt(pivot_);
@@ -192,8 +183,7 @@ class NormalEquations {
     return true;
   }
 
-  HWY_INLINE void backSubstitute(int size, const double* y, double* c) const
-  {
+  HWY_INLINE void backSubstitute(int size, const double* y, double* c) const {
     if (size == kSize) {
       unrolled<kSize>([&](auto step) HWY_ATTR {
         constexpr int kRow = kSize - 1 - step();
@@ -228,9 +218,8 @@ constexpr std::size_t kRun = 256;  ///< points whose weights are at hand; no res
 
 /** The weights of points [begin, end) of a ball, up to whole vectors. */
 template <WeightKernel K>
-HWY_NOINLINE void
-weigh(const BallBuffer& ball, Vec inverse_sq, std::size_t begin, std::size_t end, float* weights)
-{
+HWY_NOINLINE void weigh(const BallBuffer& ball, Vec inverse_sq, std::size_t begin, std::size_t end,
+                        float* weights) {
   const Tag d;
   for (std::size_t i = begin; i < end; i += hn::Lanes(d), weights += hn::Lanes(d)) {
     auto weight = kernelWeight<K>(Load(d, ball.s_sq.data() + i) * inverse_sq);
@@ -239,20 +228,21 @@ weigh(const BallBuffer& ball, Vec inverse_sq, std::size_t begin, std::size_t end
   }
 }
 
-/** A ball's points with the weights G(s / rho). Weights are made a run of points at a time, before the loops over
- * points, which so are the same for all kernels; of few points they are made once for all loops. */
+/** A ball's points with the weights G(s / rho). Weights are made a run of points at a time, before
+ * the loops over points, which so are the same for all kernels; of few points they are made once
+ * for all loops. */
 class WeightedBall {
  public:
   WeightedBall(const BallBuffer& ball, float rho, WeightKernel kernel)
-      : ball_(ball), values_(ball.w.data()), kernel_(kernel), inverse_sq_(set(1.0f / (rho * rho)))
-  {
-  }
+      : ball_(ball),
+        values_(ball.w.data()),
+        kernel_(kernel),
+        inverse_sq_(set(1.0f / (rho * rho))) {}
 
   const BallBuffer& points() const { return ball_; }
 
   /** Slopes along u or v in place of heights, with the weights of slopes. */
-  WeightedBall slopes(bool along_u) const
-  {
+  WeightedBall slopes(bool along_u) const {
     WeightedBall other = *this;
     other.values_ = along_u ? ball_.n_u.data() : ball_.n_v.data();
     other.factors_ = ball_.n_w.data();
@@ -261,8 +251,7 @@ class WeightedBall {
 
   /** Calls body(weight, u, v, w) for every group of lanes. */
   template <typename Body>
-  HWY_INLINE void forEach(const Body& body) const
-  {
+  HWY_INLINE void forEach(const Body& body) const {
     const Tag d;
     for (std::size_t begin = 0; begin < ball_.count; begin += kRun) {
       const std::size_t end = std::min(begin + kRun, ball_.count);
@@ -270,14 +259,14 @@ class WeightedBall {
       for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
         auto weight = Load(d, weights_ + (i - begin));
         if (factors_ != nullptr) weight *= Load(d, factors_ + i);
-        body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i), Load(d, values_ + i));
+        body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i),
+             Load(d, values_ + i));
       }
     }
   }
 
  private:
-  void weighRun(std::size_t begin, std::size_t end) const
-  {
+  void weighRun(std::size_t begin, std::size_t end) const {
     at_hand_ = begin;
     switch (kernel_) {
       case WeightKernel::kPower2:
@@ -293,15 +282,14 @@ class WeightedBall {
   const float* factors_ = nullptr;
   WeightKernel kernel_;
   Vec inverse_sq_;
-  mutable std::size_t at_hand_ = ~std::size_t{0};  ///< where the run begins whose weights are at hand
+  mutable std::size_t at_hand_ =
+      ~std::size_t{0};  ///< where the run begins whose weights are at hand
   HWY_ALIGN mutable float weights_[kRun];
 };
 
 /** Rows First .. Last of the moments; few enough at a time that the sums stay in registers. */
 template <int D, int First, int Last>
-HWY_NOINLINE void
-momentRows(const WeightedBall& ball, Moments& m)
-{
+HWY_NOINLINE void momentRows(const WeightedBall& ball, Moments& m) {
   constexpr int kBegin = momentIndex(D, First, 0);
   constexpr int kCount = momentIndex(D, Last, 2 * D - Last) + 1 - kBegin;
   Vec sums[kCount];
@@ -328,9 +316,8 @@ momentRows(const WeightedBall& ball, Moments& m)
 
 /** Sums W z u^i v^j over all terms of degree D, and W z^2, for z = value(u, v, w). */
 template <int D, typename Value>
-HWY_INLINE void
-heightSums(const WeightedBall& ball, const Value& value, double z_sums[], double& zz_sum)
-{
+HWY_INLINE void heightSums(const WeightedBall& ball, const Value& value, double z_sums[],
+                           double& zz_sum) {
   constexpr int kTerms = numCoefficients(D);
   Vec sums[kTerms];
   Vec zz = Zero(Tag());
@@ -354,9 +341,7 @@ heightSums(const WeightedBall& ball, const Value& value, double z_sums[], double
 }
 
 template <int D>
-void
-weightMoments(const WeightedBall& ball, Moments& m)
-{
+void weightMoments(const WeightedBall& ball, Moments& m) {
   if constexpr (D <= 2) {
     momentRows<D, 0, 2 * D>(ball, m);
   } else if constexpr (D == 3) {
@@ -370,9 +355,7 @@ weightMoments(const WeightedBall& ball, Moments& m)
 }
 
 template <int D>
-void
-computeMoments(const WeightedBall& ball, Moments& m)
-{
+void computeMoments(const WeightedBall& ball, Moments& m) {
   weightMoments<D>(ball, m);
   heightSums<D>(
       ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
@@ -380,27 +363,21 @@ computeMoments(const WeightedBall& ball, Moments& m)
 
 /** Moments of the slopes' weights, times slope_weight. */
 template <int D>
-HWY_NOINLINE void
-slopeMoments(const WeightedBall& ball, Moments& m)
-{
+HWY_NOINLINE void slopeMoments(const WeightedBall& ball, Moments& m) {
   weightMoments<D - 1>(ball.slopes(true), m);
   for (int k = 0; k <= momentIndex(D - 1, 2 * D - 2, 0); ++k) m.uv[k] *= ball.points().slope_weight;
 }
 
 /** Residual sums of a solution: b = sum W f m_k and sum W f^2, from the points themselves. */
 template <int D>
-HWY_NOINLINE void
-residualSums(const WeightedBall& ball, const double* c, double* b, double& ff)
-{
+HWY_NOINLINE void residualSums(const WeightedBall& ball, const double* c, double* b, double& ff) {
   const Height<D> height(c);
   heightSums<D>(
       ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return w - height(u, v); }, b, ff);
 }
 
 template <int D>
-HWY_NOINLINE double
-residualSum(const WeightedBall& ball, const double* c)
-{
+HWY_NOINLINE double residualSum(const WeightedBall& ball, const double* c) {
   const Height<D> height(c);
   Vec sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
@@ -413,9 +390,7 @@ residualSum(const WeightedBall& ball, const double* c)
 /** Adds the slopes' residuals against those of c to the right-hand side: slope_weight times
  * sum W (s_u - h_u) d_u m_k + W (s_v - h_v) d_v m_k. \return their weighted sum of squares. */
 template <int D>
-HWY_NOINLINE double
-addSlopeSums(const WeightedBall& ball, const double* c, double* b)
-{
+HWY_NOINLINE double addSlopeSums(const WeightedBall& ball, const double* c, double* b) {
   constexpr int kTermsOfSlope = numCoefficients(D - 1);
   const double weight = ball.points().slope_weight;
   double missed = 0;
@@ -440,9 +415,7 @@ addSlopeSums(const WeightedBall& ball, const double* c, double* b)
 }
 
 /** Highest degree with all its pivots and enough support; 0 if not even a plane has. */
-int
-supportedDegree(int degree, int pivots, double n_eff, double support)
-{
+int supportedDegree(int degree, int pivots, double n_eff, double support) {
   while (degree > 0 &&
          (numCoefficients(degree) > pivots || n_eff < support * numCoefficients(degree))) {
     --degree;
@@ -451,9 +424,8 @@ supportedDegree(int degree, int pivots, double n_eff, double support)
 }
 
 template <int D>
-LocalFit
-fitOfDegree(const BallBuffer& points, float rho, WeightKernel kernel, double support, bool refine)
-{
+LocalFit fitOfDegree(const BallBuffer& points, float rho, WeightKernel kernel, double support,
+                     bool refine) {
   LocalFit fit;
   fit.kernel = kernel;
   const WeightedBall ball(points, rho, kernel);
@@ -486,8 +458,7 @@ fitOfDegree(const BallBuffer& points, float rho, WeightKernel kernel, double sup
     equations.solveAndAdd(size, b, fit.c.data());
     fit.least_pivot = equations.leastPivot(size);
   }
-  if (refine || slopes || rss < kResidual * m.zz)
-    rss = residualSum<D>(ball, fit.c.data());
+  if (refine || slopes || rss < kResidual * m.zz) rss = residualSum<D>(ball, fit.c.data());
   fit.residual_sq = std::max(0.0, rss / weight);
   fit.terms = slopes ? equations.heightTerms(size, m.uv) : size;
   if (slopes) {
@@ -498,9 +469,7 @@ fitOfDegree(const BallBuffer& points, float rho, WeightKernel kernel, double sup
   return fit;
 }
 
-double
-effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
-{
+double effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel) {
   Vec sum = Zero(Tag()), squares = sum;
   WeightedBall(ball, rho, kernel).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
     sum += weight;
@@ -510,10 +479,8 @@ effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
   return weight_sq > 0.0 ? weight * weight / weight_sq : 0.0;
 }
 
-LocalFit
-fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine)
-{
+LocalFit fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+                 bool refine) {
   return forDegree(degree, [&](auto d) HWY_ATTR {
     return fitOfDegree<d()>(ball, rho, kernel, support, refine);
   });
@@ -528,16 +495,12 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(fitBall);
 HWY_EXPORT(effectiveCount);
 
-double
-effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
-{
+double effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel) {
   return HWY_DYNAMIC_DISPATCH(effectiveCount)(ball, rho, kernel);
 }
 
-LocalFit
-fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine)
-{
+LocalFit fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+                 bool refine) {
   return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, refine);
 }
 

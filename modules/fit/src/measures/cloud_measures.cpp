@@ -35,10 +35,8 @@ struct FramedPatch {
 };
 
 /** Those of the neighbours whose normals turn about as the sample's. */
-void
-keepOwnSide(const PointStore& store, std::size_t sample, float least_cosine,
-            std::vector<std::uint32_t>& neighbors)
-{
+void keepOwnSide(const PointStore& store, std::size_t sample, float least_cosine,
+                 std::vector<std::uint32_t>& neighbors) {
   const auto own = store.normal(sample);
   const auto turned = [&](std::uint32_t j) {
     const auto n = store.normal(j);
@@ -47,10 +45,8 @@ keepOwnSide(const PointStore& store, std::size_t sample, float least_cosine,
   neighbors.erase(std::remove_if(neighbors.begin(), neighbors.end(), turned), neighbors.end());
 }
 
-FramedPatch
-framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, double radius,
-           double least_cosine)
-{
+FramedPatch framePatch(const PointStore& store, const std::vector<std::uint32_t>& points,
+                       double radius, double least_cosine) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::uint32_t j : points) {
     const auto n = store.normal(j);
@@ -81,15 +77,11 @@ framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, do
 }
 
 template <typename Terms, typename Values>
-auto
-residuals(const Terms& terms, const Values& values)
-{
+auto residuals(const Terms& terms, const Values& values) {
   return (values - terms * terms.householderQr().solve(values)).eval();
 }
 
-PatchSums
-measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants)
-{
+PatchSums measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants) {
   const Eigen::Index count = patch.heights.size();
   const Eigen::MatrixX2d slopes = residuals(patch.terms, patch.slopes);
   const Eigen::VectorXd heights = residuals(patch.terms, patch.heights);
@@ -110,9 +102,8 @@ measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants)
   return sums;
 }
 
-NormalError
-summarize(const std::vector<PatchSums>& patches, const NormalErrorConstants& constants)
-{
+NormalError summarize(const std::vector<PatchSums>& patches,
+                      const NormalErrorConstants& constants) {
   PatchSums all;
   std::vector<double> variances;
   for (const PatchSums& patch : patches) {
@@ -139,9 +130,8 @@ summarize(const std::vector<PatchSums>& patches, const NormalErrorConstants& con
 
 }  // namespace
 
-NormalError
-measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads)
-{
+NormalError measureNormalError(const PointStore& store, const NormalErrorConstants& constants,
+                               int threads) {
   const std::size_t samples = std::min(constants.samples, store.size());
   std::vector<PatchSums> patches(samples);
   threads = resolveThreads(threads);
@@ -164,9 +154,7 @@ measureNormalError(const PointStore& store, const NormalErrorConstants& constant
 namespace {
 
 /** Whether lambda is the residual estimate, rather than given or the paper's. */
-bool
-measuresResiduals(const FitParams& params)
-{
+bool measuresResiduals(const FitParams& params) {
   return !params.lambda && !params.paper_mode && !params.hasThreshold();
 }
 
@@ -175,12 +163,9 @@ class ResidualNoise {
  public:
   ResidualNoise(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
                 int threads, FitStatistics& stats)
-      : store_(store), params_(params), constants_(constants), threads_(threads), stats_(stats)
-  {
-  }
+      : store_(store), params_(params), constants_(constants), threads_(threads), stats_(stats) {}
 
-  const NoiseLevel& level()
-  {
+  const NoiseLevel& level() {
     if (!measured_) {
       level_ = measure();
       stats_.noise.patches += level_.patches;
@@ -190,8 +175,7 @@ class ResidualNoise {
   }
 
  private:
-  NoiseLevel measure() const
-  {
+  NoiseLevel measure() const {
     const std::optional<double> given = params_.noise_correlation;
     if (given > 1) return measureSharedNoise(store_, *given, constants_, threads_);
     const NoiseLevel white = measureNoise(store_, constants_, threads_);
@@ -210,10 +194,8 @@ class ResidualNoise {
 };
 
 /** The noise model's variances for runs of points, in local units. */
-std::vector<float>
-modelProfile(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-             int threads)
-{
+std::vector<float> modelProfile(const PointStore& store, const FitParams& params,
+                                const NoiseConstants& constants, int threads) {
   RangeError error;
   const double scale = store.scale();
   error.own_sensors = store.hasSensors() && !params.viewpoint;
@@ -227,9 +209,7 @@ modelProfile(const PointStore& store, const FitParams& params, const NoiseConsta
 }
 
 /** Sets lambda to a profile's mean and the profile to ratios of it. */
-void
-takeVariances(std::vector<float> variances, float least, CloudMeasures& measures)
-{
+void takeVariances(std::vector<float> variances, float least, CloudMeasures& measures) {
   double sum = 0;
   for (const float variance : variances) sum += variance;
   const double mean = sum / static_cast<double>(variances.size());
@@ -241,10 +221,8 @@ takeVariances(std::vector<float> variances, float least, CloudMeasures& measures
 }
 
 /** The paper's T_MDL belongs to its lambda; the default penalty to the residual estimate. */
-double
-noiseVariance(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-              int threads, ResidualNoise& residual)
-{
+double noiseVariance(const PointStore& store, const FitParams& params,
+                     const NoiseConstants& constants, int threads, ResidualNoise& residual) {
   const double diagonal = store.diagonal();
   if (params.lambda) return *params.lambda * diagonal * diagonal;
   return measuresResiduals(params) ? residual.level().variance
@@ -252,10 +230,9 @@ noiseVariance(const PointStore& store, const FitParams& params, const NoiseConst
 }
 
 /** How noise varies over the cloud, if the user or the data show that it does. */
-void
-measureProfile(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-               int threads, ResidualNoise& residual, CloudMeasures& measures)
-{
+void measureProfile(const PointStore& store, const FitParams& params,
+                    const NoiseConstants& constants, int threads, ResidualNoise& residual,
+                    CloudMeasures& measures) {
   const bool shared = measures.correlation > 1;
   if (params.noise_model) {
     takeVariances(modelProfile(store, params, constants, threads), constants.least_ratio, measures);
@@ -268,10 +245,9 @@ measureProfile(const PointStore& store, const FitParams& params, const NoiseCons
   }
 }
 
-void
-measureErrors(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-              int threads, CloudMeasures& measures, FitStatistics& stats)
-{
+void measureErrors(const PointStore& store, const FitParams& params,
+                   const NoiseConstants& constants, int threads, CloudMeasures& measures,
+                   FitStatistics& stats) {
   ResidualNoise residual(store, params, constants, threads, stats);
   if (!params.noise_model)
     measures.lambda = noiseVariance(store, params, constants, threads, residual);
@@ -294,9 +270,8 @@ measureErrors(const PointStore& store, const FitParams& params, const NoiseConst
 }
 
 /** What normals weigh as data: the error stated, or the one measured if it is their own. */
-double
-normalError(const PointStore& store, const FitParams& params, int threads, FitStatistics& stats)
-{
+double normalError(const PointStore& store, const FitParams& params, int threads,
+                   FitStatistics& stats) {
   if (params.normal_error) return *params.normal_error;
   const NormalError measured = measureNormalError(store, {}, threads);
   stats.noise.normals_follow_points = !measured.independent();
@@ -304,9 +279,7 @@ normalError(const PointStore& store, const FitParams& params, int threads, FitSt
 }
 
 /** The cosine above which two normals belong together. */
-float
-minDot(const PointStore& store, const FitParams& params, const FitConstants& constants)
-{
+float minDot(const PointStore& store, const FitParams& params, const FitConstants& constants) {
   if (params.sharp_features) return constants.preset.sharp_bound;
   if (!store.hasSides() || params.paper_mode) return 0.0f;
   return normalBound(store, constants.normal_bound);
@@ -314,10 +287,9 @@ minDot(const PointStore& store, const FitParams& params, const FitConstants& con
 
 }  // namespace
 
-Result<CloudMeasures>
-measureCloud(const PointStore& store, const FitParams& params, const FitConstants& constants,
-             int threads, FitStatistics& stats)
-{
+Result<CloudMeasures> measureCloud(const PointStore& store, const FitParams& params,
+                                   const FitConstants& constants, int threads,
+                                   FitStatistics& stats) {
   CloudMeasures measures;
   measures.min_dot = minDot(store, params, constants);
   measureErrors(store, params, constants.noise, threads, measures, stats);
@@ -326,8 +298,7 @@ measureCloud(const PointStore& store, const FitParams& params, const FitConstant
     return Error{ErrorCode::kBadInput,
                  "the points have no normals to take as data: give some, or leave it"};
   }
-  measures.normal_error = stats.noise.normal_error =
-      normalError(store, params, threads, stats);
+  measures.normal_error = stats.noise.normal_error = normalError(store, params, threads, stats);
   return measures;
 }
 

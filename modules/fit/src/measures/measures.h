@@ -16,10 +16,11 @@
 namespace pcl_slim::detail {
 
 /** \brief A cloud's errors as given by the user or measured: lambda, the noise profile, the normal
- * bound and what normals weigh as data. \return an error where normals are to be data and there are none. */
-Result<CloudMeasures>
-measureCloud(const PointStore& store, const FitParams& params, const FitConstants& constants,
-             int threads, FitStatistics& stats);
+ * bound and what normals weigh as data. \return an error where normals are to be data and there are
+ * none. */
+Result<CloudMeasures> measureCloud(const PointStore& store, const FitParams& params,
+                                   const FitConstants& constants, int threads,
+                                   FitStatistics& stats);
 
 /** \brief Whether normals are measured apart from the points (docs/theory.md, "Normals as data").
  */
@@ -46,8 +47,7 @@ struct NormalError {
   /** \brief Normals measured apart from the points show neither correlation. Those computed from
    * noisy points, or from a mesh over them, follow the points' noise and share it with their
    * neighbours: they would be counted twice. */
-  bool independent(const NormalErrorConstants& constants = {}) const
-  {
+  bool independent(const NormalErrorConstants& constants = {}) const {
     return radians > 0 && with_heights < constants.with_heights &&
            with_neighbors < constants.with_neighbors;
   }
@@ -56,15 +56,14 @@ struct NormalError {
 /** \brief Compares normals with cubics on patches of 64 neighbours about 1000 points, evenly
  * strided; all 0 where fewer than 100 patches are usable (docs/theory.md, "Normals as data").
  * O(patches log points); the same for any number of threads. */
-NormalError
-measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads);
+NormalError measureNormalError(const PointStore& store, const NormalErrorConstants& constants,
+                               int threads);
 
 /** \brief A store that a fit may give sides: the caller's own, or a copy where that is const. */
 class SidedStore {
  public:
   explicit SidedStore(PointStore& store) : store_(&store), own_(&store) { store.clearSides(); }
-  explicit SidedStore(const PointStore& store) : store_(&store)
-  {
+  explicit SidedStore(const PointStore& store) : store_(&store) {
     if (!store.hasSides() || store.hasNormals()) return;
     own().clearSides();
   }
@@ -73,30 +72,26 @@ class SidedStore {
   /** \brief Whether the sides are set in the caller's store itself, not in a copy. */
   bool isKept() const { return own_ != nullptr && !copy_; }
   void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
-  /** \brief Sets sides for the cover, in whose place endCover() sets those for orientation and trim maps. */
+  /** \brief Sets sides for the cover, in whose place endCover() sets those for orientation and trim
+   * maps. */
   void setSidesForCover(const std::vector<std::array<float, 3>>& normals,
-                        std::vector<std::array<float, 3>> after)
-  {
+                        std::vector<std::array<float, 3>> after) {
     own().setSides(normals);
     after_cover_ = std::move(after);
   }
-  void endCover()
-  {
+  void endCover() {
     own().setSides(after_cover_);
     after_cover_.clear();
   }
-  void moveTo(const std::vector<std::array<double, 3>>& positions, int threads)
-  {
+  void moveTo(const std::vector<std::array<double, 3>>& positions, int threads) {
     own().moveTo(positions, threads);
   }
-  void clearSides()
-  {
+  void clearSides() {
     if (store_->hasSides() && !store_->hasNormals()) own().clearSides();
   }
 
  private:
-  PointStore& own()
-  {
+  PointStore& own() {
     if (own_ == nullptr) {
       copy_ = *store_;
       store_ = own_ = &*copy_;
@@ -110,12 +105,11 @@ class SidedStore {
   std::vector<std::array<float, 3>> after_cover_;
 };
 
-/** \brief Gives the points of a cloud without normals sides where balls would meet both sides of thin
- * parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover"). The
+/** \brief Gives the points of a cloud without normals sides where balls would meet both sides of
+ * thin parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover"). The
  * store and the measures stay as they are elsewhere.
  * \param[in,out] measures those made without sides */
-Error
-giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-          CloudMeasures& measures, FitStatistics& stats);
+Error giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
+                CloudMeasures& measures, FitStatistics& stats);
 
 }  // namespace pcl_slim::detail

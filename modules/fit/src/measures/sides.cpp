@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "pcl_slim/cloud/detail/sides.h"
 #include "pcl_slim/cloud/detail/noise.h"
+#include "pcl_slim/cloud/detail/sides.h"
 
 namespace pcl_slim::detail {
 
@@ -17,9 +17,7 @@ constexpr float kUnsidedPass = -0.01f;  ///< a normal bound that points without 
 
 /** Given sides win, and a viewpoint gives the side of every point. Points on scan lines have no
  * normals of cells, and those of cells are too coarse to keep sharp edges apart. */
-bool
-mayNeedSides(const PointStore& store, const FitParams& params, const FitStatistics& stats)
-{
+bool mayNeedSides(const PointStore& store, const FitParams& params, const FitStatistics& stats) {
   return params.sides && !params.sharp_features && !store.hasNormals() && !params.viewpoint &&
          !params.paper_mode && !params.hasThreshold() && stats.noise.line == 0;
 }
@@ -40,35 +38,31 @@ struct SideSearch {
   bool capped = true;       ///< lambda may not exceed the noise that cells are cut by
 };
 
-/** Share of thin places that sides are worth. Where there is little noise small balls part sheets by
- * themselves, and cells are about as many as points. \param[in] noise in spacings */
-double
-leastShare(double noise, const SideConstants& rules)
-{
+/** Share of thin places that sides are worth. Where there is little noise small balls part sheets
+ * by themselves, and cells are about as many as points. \param[in] noise in spacings */
+double leastShare(double noise, const SideConstants& rules) {
   const double clean = (rules.full_noise - noise) / (rules.full_noise - rules.clean_noise);
   return rules.least_thin + std::clamp(clean, 0.0, 1.0) * (rules.clean_thin - rules.least_thin);
 }
 
-/** The least noise for which points are moved to planes of enough neighbours. A given noise is not that of
- * moved points. */
-double
-leastMoved(double spacing, const FitParams& params, const SideConstants& rules)
-{
+/** The least noise for which points are moved to planes of enough neighbours. A given noise is not
+ * that of moved points. */
+double leastMoved(double spacing, const FitParams& params, const SideConstants& rules) {
   if (params.lambda || params.noise_model) return HUGE_VAL;
   return spacing * std::sqrt(static_cast<double>(rules.least_plane) / rules.plane);
 }
 
 /** \return nothing where a cloud has too few thin places. */
-std::optional<SideSearch>
-searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
-{
+std::optional<SideSearch> searchFor(const ThinPlaces& thin, double unsided, bool measured,
+                                    const SideConstants& rules) {
   SideSearch search;
   search.unsided = search.noise = unsided;
   if (measured && thin.noise > 0) search.noise = std::min(unsided, thin.noise);
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   search.unknown = measured && !(thin.noise > 0);
-  // Merged frames face each other here and there, where their errors differ: such sheets must be surer.
+  // Merged frames face each other here and there, where their errors differ: such sheets must be
+  // surer.
   const bool most = thin.share + thin.facing >= rules.least_facing;
   search.for_cover = (most ? unsided : search.noise) < rules.full_noise * thin.spacing;
   search.needed = most || thin.share >= leastShare(search.noise / thin.spacing, rules);
@@ -93,41 +87,37 @@ struct SidedFit {
   std::size_t plane_neighbors = 0;
   std::vector<std::array<double, 3>> feet{};  ///< where the points are moved to; none: they stay
 
-  /** The noise over the agreement of the sides and the share of points that face apart: the noise rises or one
-   * of the others falls where sides are wrong, or cells contain both. */
+  /** The noise over the agreement of the sides and the share of points that face apart: the noise
+   * rises or one of the others falls where sides are wrong, or cells contain both. */
   double cost() const { return noise / (sides.confidence * sides.thin); }
   double doubt() const { return 1 - sides.confidence; }
 
-  /** Whether sides are in doubt and noise is so much wider than the spacing that moving points removes it. */
-  bool isMoved(const SideSearch& search, const SideConstants& rules) const
-  {
+  /** Whether sides are in doubt and noise is so much wider than the spacing that moving points
+   * removes it. */
+  bool isMoved(const SideSearch& search, const SideConstants& rules) const {
     return sides.confidence < rules.sure && noise >= search.moved;
   }
 };
 
-/** The least noise by which the next cells are cut: less where sides are in doubt and cells contain more than
- * noise. \param[in] noise by which the last ones were cut, or that they show if it is less */
-double
-leastCells(const SideSearch& search, double noise, double spacing,
-           const std::optional<SidedFit>& best, const SideConstants& rules)
-{
+/** The least noise by which the next cells are cut: less where sides are in doubt and cells contain
+ * more than noise. \param[in] noise by which the last ones were cut, or that they show if it is
+ * less */
+double leastCells(const SideSearch& search, double noise, double spacing,
+                  const std::optional<SidedFit>& best, const SideConstants& rules) {
   const bool narrower = noise <= search.least && best && best->sides.confidence < rules.sure &&
                         best->noise < rules.cell_noise * search.least;
   return narrower ? rules.doubtful_cells * spacing : search.least;
 }
 
 /** Constants with which noise is measured at few places, where sides are compared. */
-FitConstants
-fewPlaces(FitConstants constants)
-{
+FitConstants fewPlaces(FitConstants constants) {
   constants.noise.shared.most_places = constants.noise.shared.places;
   return constants;
 }
 
 /** The RMS noise that a store's sides show. */
-Result<double>
-noiseOf(const PointStore& store, const FitConstants& constants, FitParams params, int threads)
-{
+Result<double> noiseOf(const PointStore& store, const FitConstants& constants, FitParams params,
+                       int threads) {
   if (!params.noise_model) params.local_noise = false;
   FitStatistics unused;
   const Result<CloudMeasures> measured = measureCloud(store, params, constants, threads, unused);
@@ -135,14 +125,13 @@ noiseOf(const PointStore& store, const FitConstants& constants, FitParams params
   return std::sqrt(measured->lambda);
 }
 
-/** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
- * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. Where no
- * place shows the noise, cells wider than parts show parts as rough sheets, and all widths are tried until
- * they add to the noise: the cost rises before it falls. */
-Error
-seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
-          const FitParams& params, int threads, SidedStore& sided, std::optional<SidedFit>& best)
-{
+/** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few faces
+ * separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers
+ * better. Where no place shows the noise, cells wider than parts show parts as rough sheets, and
+ * all widths are tried until they add to the noise: the cost rises before it falls. */
+Error seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
+                const FitParams& params, int threads, SidedStore& sided,
+                std::optional<SidedFit>& best) {
   const SideConstants& rules = constants.sides;
   double noise = std::max(search.noise, search.least);
   bool settled = false;  // narrower cells show the same noise
@@ -168,8 +157,8 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       // Wrong sides add to the noise: cells are too narrow to show it.
       const bool noisier = best && rules.same_noise * next.noise > best->noise;
       if (worse && (!search.unknown || noisier)) break;
-      // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
-      // side alone of a thin tube bends more than its cubic.
+      // Wider balls would contain what these cells separate. Sides never add to the noise: a patch
+      // of one side alone of a thin tube bends more than its cubic.
       if (search.capped)
         next.most = std::min(std::max(noise, search.least),
                              std::max(search.unsided, rules.least_noise * spacing));
@@ -185,13 +174,11 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
   return {};
 }
 
-/** Seeks sides of the points' feet on local planes: feet have less noise, and parts are as thick as before. Sides
- * that it finds replace the others, with the feet. */
-Error
-seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& constants,
-                const FitParams& params, int threads, const PointStore& store,
-                std::optional<SidedFit>& best)
-{
+/** Seeks sides of the points' feet on local planes: feet have less noise, and parts are as thick as
+ * before. Sides that it finds replace the others, with the feet. */
+Error seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& constants,
+                      const FitParams& params, int threads, const PointStore& store,
+                      std::optional<SidedFit>& best) {
   const SideConstants& rules = constants.sides;
   const double noise = std::min(best->noise, unsided), ratio = best->noise / thin.spacing;
   const auto k = static_cast<std::size_t>(std::min(rules.plane * ratio * ratio, rules.most_plane));
@@ -223,11 +210,9 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   return {};
 }
 
-/** The share of the noise variance that leaves may leave: balls that noise makes wide contain both sheets where
- * these are few spacings apart, and wrong sides do not keep them apart. */
-double
-noiseShare(const SidedFit& fit, double lambda, const SideConstants& rules)
-{
+/** The share of the noise variance that leaves may leave: balls that noise makes wide contain both
+ * sheets where these are few spacings apart, and wrong sides do not keep them apart. */
+double noiseShare(const SidedFit& fit, double lambda, const SideConstants& rules) {
   const auto ramp = [](double x, double all, double none) {
     return std::clamp((none - x) / (none - all), 0.0, 1.0);
   };
@@ -238,10 +223,8 @@ noiseShare(const SidedFit& fit, double lambda, const SideConstants& rules)
 }
 
 /** The points around some of the thin places, by which a large cloud is judged. */
-PointStore
-pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstants& rules,
-             int threads)
-{
+PointStore pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstants& rules,
+                        int threads) {
   const double radius = thin.spacing * std::sqrt(static_cast<double>(rules.probe_points) / M_PI);
   const std::size_t step = 1 + (thin.thin.size() - 1) / rules.probe_places;
   std::vector<char> kept(store.numBlocks(), 0);
@@ -260,11 +243,10 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
   return store.without(dropped, threads);
 }
 
-/** Gives sides to the points near another sheet for the cover, and to all points for the steps after it. */
-void
-sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
-                 CloudMeasures& measures, FitStatistics& stats)
-{
+/** Gives sides to the points near another sheet for the cover, and to all points for the steps
+ * after it. */
+void sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
+                      CloudMeasures& measures, FitStatistics& stats) {
   const SideConstants& rules = constants.sides;
   double noise = std::sqrt(measures.lambda);
   if (thin.noise > 0) noise = std::min(noise, thin.noise);
@@ -291,19 +273,19 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   stats.sides.for_cover = true;
 }
 
-/** Seeks sides of all points: as they are and, where this leaves doubts under wide noise, moved to local planes. */
-Error
-seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& constants,
-               const FitParams& params, SideSearch& search, SidedStore& sided,
-               const FitStatistics& stats, std::optional<SidedFit>& best)
-{
+/** Seeks sides of all points: as they are and, where this leaves doubts under wide noise, moved to
+ * local planes. */
+Error seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& constants,
+                     const FitParams& params, SideSearch& search, SidedStore& sided,
+                     const FitStatistics& stats, std::optional<SidedFit>& best) {
   const SideConstants& rules = constants.sides;
   const auto seek = [&] {
     return seekSides(search, thin.spacing, constants, params, stats.threads, sided, best);
   };
   search.moved = leastMoved(thin.spacing, params, rules);
   if (Error error = seek()) return error;
-  // Doubtful sides are better than none: a leaf about both sheets is farther from the points than the noise.
+  // Doubtful sides are better than none: a leaf about both sheets is farther from the points than
+  // the noise.
   if (!best && search.needed && !search.for_cover && stats.noise.correlation < rules.terraces) {
     search.doubt = rules.last_doubt;
     if (Error error = seek()) return error;
@@ -324,10 +306,9 @@ seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& const
 }
 
 /** Gives a fit the sides that were found, and measures the cloud anew with them. */
-Error
-takeSides(SidedFit& found, const SideSearch& search, const FitConstants& constants,
-          const FitParams& params, SidedStore& sided, CloudMeasures& measures, FitStatistics& stats)
-{
+Error takeSides(SidedFit& found, const SideSearch& search, const FitConstants& constants,
+                const FitParams& params, SidedStore& sided, CloudMeasures& measures,
+                FitStatistics& stats) {
   const SideConstants& rules = constants.sides;
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
   sided.setSides(found.sides.normals);
@@ -361,10 +342,8 @@ takeSides(SidedFit& found, const SideSearch& search, const FitConstants& constan
 
 }  // namespace
 
-Error
-giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-          CloudMeasures& measures, FitStatistics& stats)
-{
+Error giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
+                CloudMeasures& measures, FitStatistics& stats) {
   if (!mayNeedSides(sided.store(), params, stats)) return {};
   SideConstants rules = constants.sides;
   if (stats.noise.step > 0) rules.flatter = HUGE_VAL;  // rounding errors are flatter, too

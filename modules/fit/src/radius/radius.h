@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "One fit, step by step", 5 (Radius): the fits at the radii of eq. (5) and between, what is
-// told from their residuals ("Guards", "Detail below the noise", "Two fits on the same points"), and the
-// search over one ball.
+// docs/theory.md, "One fit, step by step", 5 (Radius): the fits at the radii of eq. (5) and
+// between, what is told from their residuals ("Guards", "Detail below the noise", "Two fits on the
+// same points"), and the search over one ball.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 #include "fit_plan.h"
 #include "least_squares/least_squares.h"
 #include "scan/ball_kernels.h"
-
 
 namespace pcl_slim::detail {
 
@@ -92,7 +91,8 @@ class BallSamples {
    * \param[in] gather_radius local length; \param[in] rho_right r_r in units of it. */
   void begin(const BallBuffer& ball, double gather_radius, double rho_right);
 
-  /** \brief All points, or a smaller copy that still contains all within rho. O(points) when new. */
+  /** \brief All points, or a smaller copy that still contains all within rho. O(points) when new.
+   */
   const BallBuffer& within(double rho);
 
   const BallBuffer& all() const { return *ball_; }
@@ -119,8 +119,7 @@ struct FitCounts {
   std::uint64_t fits = 0, fell_by_support = 0, fell_by_pivot = 0;
   double least_pivot = 1;  ///< over its diagonal entry, of refined fits
 
-  FitCounts& operator+=(const FitCounts& other)
-  {
+  FitCounts& operator+=(const FitCounts& other) {
     fits += other.fits;
     fell_by_support += other.fell_by_support;
     fell_by_pivot += other.fell_by_pivot;
@@ -135,9 +134,7 @@ struct FitCounts {
 class TrialFits {
  public:
   explicit TrialFits(const FitPlan& plan, const RadiusConstants& constants = kRadiusConstants)
-      : plan_(plan), constants_(constants), energy_(plan.energy)
-  {
-  }
+      : plan_(plan), constants_(constants), energy_(plan.energy) {}
 
   /** \brief The noise variance of the balls to come. */
   void setNoise(double lambda) { energy_.lambda = lambda; }
@@ -174,8 +171,7 @@ class TrialFits {
   bool refit(const BallBuffer& points, WeightKernel kernel, Trial& trial);
 
   /** \brief e^2 across the surface, a local length squared. */
-  double variance(const Trial& trial) const
-  {
+  double variance(const Trial& trial) const {
     return energy_.variance(trial.fit, samples_.gatherRadius());
   }
 
@@ -183,8 +179,7 @@ class TrialFits {
   double radiusOf(const Trial& trial) const { return trial.rho * samples_.gatherRadius(); }
 
   /** \brief What a trial costs by an energy other than the search's own. */
-  double energyOf(const Trial& trial, const Energy& energy) const
-  {
+  double energyOf(const Trial& trial, const Energy& energy) const {
     return energy(trial.fit, radiusOf(trial), samples_.gatherRadius());
   }
 
@@ -207,10 +202,10 @@ class TrialFits {
 
 }  // namespace pcl_slim::detail
 
-
 namespace pcl_slim::detail {
 
-/** \brief Separates a surface's unresolved detail from noise by the covariance of neighbouring residuals.
+/** \brief Separates a surface's unresolved detail from noise by the covariance of neighbouring
+ * residuals.
  *
  * Noise differs from point to point; detail that a fit misses is common to points that are close
  * together in the frame's plane. The mean product of residuals over all pairs within small cells
@@ -246,14 +241,14 @@ class ResidualStructure {
   std::vector<Cell> cells_;
 };
 
-/** \brief Decides whether the residuals of a fit are noise, lack of fit, or detail below the noise. */
+/** \brief Decides whether the residuals of a fit are noise, lack of fit, or detail below the noise.
+ */
 class ResidualTests {
  public:
   explicit ResidualTests(TrialFits& trials) : trials_(trials), structure_(trials.constants()) {}
 
   /** \brief The residual is no larger than noise makes it. */
-  bool isNoise(const Trial& trial) const
-  {
+  bool isNoise(const Trial& trial) const {
     return trials_.variance(trial) <= trials_.constants().noise_like * trials_.noise();
   }
 
@@ -306,7 +301,6 @@ class FitComparison {
 
 }  // namespace pcl_slim::detail
 
-
 namespace pcl_slim::detail {
 
 /** \brief Where the search over one sliding interval ended. */
@@ -323,8 +317,7 @@ struct RadiusChoice {
 
   static RadiusChoice leaf(const Trial& trial) { return {Kind::kLeaf, trial}; }
   static RadiusChoice supportLimited(const Trial& trial) { return {Kind::kLeaf, trial, true}; }
-  static RadiusChoice withoutDetail(const Trial& trial)
-  {
+  static RadiusChoice withoutDetail(const Trial& trial) {
     return {Kind::kLeaf, trial, false, true};
   }
   static RadiusChoice internal(const Trial& right) { return {Kind::kInternal, right}; }
@@ -338,7 +331,8 @@ class FinalFit {
  public:
   explicit FinalFit(TrialFits& trials) : trials_(trials) {}
 
-  /** \brief The chosen fit once more, with iterative refinement and, if requested, robust weights. */
+  /** \brief The chosen fit once more, with iterative refinement and, if requested, robust weights.
+   */
   Trial make(const RadiusChoice& choice);
 
  private:
@@ -369,8 +363,7 @@ class RadiusSearch {
 
   /** \brief Starts on a ball in frame coordinates. \param[in] gather_radius local length;
    * \param[in] rho_right r_r in units of it. */
-  void begin(const BallBuffer& ball, double gather_radius, double rho_right)
-  {
+  void begin(const BallBuffer& ball, double gather_radius, double rho_right) {
     trials_.begin(ball, gather_radius, rho_right);
   }
 

@@ -35,9 +35,7 @@ struct Bracket {
 };
 
 /** Abscissa of the minimum of the parabola through three points of (log rho, log E). */
-double
-parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
-{
+double parabolaMinimum(const Trial& a, const Trial& b, const Trial& c) {
   const double xa = std::log(a.rho), xb = std::log(b.rho), xc = std::log(c.rho);
   const double fa = std::log(a.energy), fb = std::log(b.energy), fc = std::log(c.energy);
   const double p = (xb - xa) * (fb - fc), q = (xb - xc) * (fb - fa);
@@ -48,9 +46,7 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
   return std::exp(std::min(std::max(x, xa), xc));
 }
 
-void
-Bracket::narrow(TrialFits& trials)
-{
+void Bracket::narrow(TrialFits& trials) {
   const Trial trial = trials.at(parabolaMinimum(a, b, c));
   if (!trial.supported || trial.rho == b.rho) return;
   if (trial.energy < b.energy) {
@@ -61,17 +57,13 @@ Bracket::narrow(TrialFits& trials)
   }
 }
 
-double
-Bracket::width() const
-{
+double Bracket::width() const {
   return std::log(c.rho / a.rho);
 }
 
-/** \brief The choice where support ends between the supported radii and the next one down: the least
- * supported radius joins the comparison ("Guards", Minimum support). */
-RadiusChoice
-chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middle)
-{
+/** \brief The choice where support ends between the supported radii and the next one down: the
+ * least supported radius joins the comparison ("Guards", Minimum support). */
+RadiusChoice chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middle) {
   const double lenience = trials.constants().support_lenience;
   const Trial last = trials.atMinimumSupport(middle.rho);
   const auto fitsAsWell = [&](const Trial& wider) {
@@ -90,13 +82,12 @@ chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middl
 class PenaltyRadiusRule : public RadiusRule {
  public:
   PenaltyRadiusRule(TrialFits& trials, ResidualTests& tests)
-      : trials_(trials), tests_(tests), comparison_(trials, tests)
-  {
-  }
+      : trials_(trials), tests_(tests), comparison_(trials, tests) {}
 
   RadiusChoice choose() override;
 
-  /** \brief Whether E at all three radii, or lack of fit, favours smaller ones by more than chance. */
+  /** \brief Whether E at all three radii, or lack of fit, favours smaller ones by more than chance.
+   */
   bool surelyInternal() override;
 
  private:
@@ -110,11 +101,9 @@ class PenaltyRadiusRule : public RadiusRule {
   FitComparison comparison_;
 };
 
-/** \brief Whether the residual exceeds both the noise and what any smooth surface leaves: the ball is at a
- * feature. */
-bool
-liesBesideFeature(const TrialFits& trials, const Trial& trial)
-{
+/** \brief Whether the residual exceeds both the noise and what any smooth surface leaves: the ball
+ * is at a feature. */
+bool liesBesideFeature(const TrialFits& trials, const Trial& trial) {
   const RadiusConstants& constants = trials.constants();
   if (!trials.plan().find_detail || trial.fit.degree <= constants.feature_degree) return false;
   const double e_sq = trials.variance(trial), r = trials.radiusOf(trial);
@@ -126,9 +115,7 @@ liesBesideFeature(const TrialFits& trials, const Trial& trial)
  *
  * Across an edge no degree fits, and a lower one needs less room. \return an unsupported trial
  * where none does. Up to feature_steps fits. */
-Trial
-fitBesideFeature(TrialFits& trials, const Trial& trial)
-{
+Trial fitBesideFeature(TrialFits& trials, const Trial& trial) {
   const RadiusConstants& constants = trials.constants();
   const int degree = constants.feature_degree;
   // Kappa is 1 for the expected error: the excess next to an edge is bias, not chance.
@@ -148,9 +135,7 @@ fitBesideFeature(TrialFits& trials, const Trial& trial)
   return best;
 }
 
-RadiusChoice
-PenaltyRadiusRule::choose()
-{
+RadiusChoice PenaltyRadiusRule::choose() {
   const RadiusChoice choice = chooseByEnergy();
   if (choice.kind != RadiusChoice::Kind::kLeaf) return choice;
   if (liesBesideFeature(trials_, choice.trial)) {
@@ -164,9 +149,7 @@ PenaltyRadiusRule::choose()
   return RadiusChoice::leaf(comparison_.lowestDegreeAccepted(choice.trial));
 }
 
-RadiusChoice
-PenaltyRadiusRule::chooseByEnergy()
-{
+RadiusChoice PenaltyRadiusRule::chooseByEnergy() {
   const Trial& right = trials_.right();
   if (!right.supported) return RadiusChoice::sparse(right);
   const Trial middle = trials_.middle();
@@ -189,9 +172,8 @@ PenaltyRadiusRule::chooseByEnergy()
   return chooseInside(left, middle, right);
 }
 
-RadiusChoice
-PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Trial& right)
-{
+RadiusChoice PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle,
+                                             const Trial& right) {
   const Trial& least = left.energy < middle.energy ? left : middle;
   if (isLenient(right, least)) return RadiusChoice::leaf(right);
   if (left.energy < middle.energy) return RadiusChoice::internal(right);
@@ -205,18 +187,14 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
   return RadiusChoice::leaf(bracket.b);
 }
 
-/** Whether E of a wide ball is within the tolerance of the least E. Under noise E is flat, and its minimum
- * is at balls that are too small. */
-bool
-PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const
-{
+/** Whether E of a wide ball is within the tolerance of the least E. Under noise E is flat, and its
+ * minimum is at balls that are too small. */
+bool PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const {
   return wide.energy <= trials_.plan().lenience * least.energy;
 }
 
 /** The largest radius up to right's with E <= lenience E_min, by bisection of log r. */
-Trial
-PenaltyRadiusRule::largestLenient(const Trial& best, const Trial& right)
-{
+Trial PenaltyRadiusRule::largestLenient(const Trial& best, const Trial& right) {
   if (isLenient(right, best)) return right;
   Trial inside = best;
   double outside = right.rho;
@@ -231,9 +209,7 @@ PenaltyRadiusRule::largestLenient(const Trial& best, const Trial& right)
   return inside;
 }
 
-bool
-PenaltyRadiusRule::surelyInternal()
-{
+bool PenaltyRadiusRule::surelyInternal() {
   const double margin = trials_.constants().sure_margin;
   const Trial& right = trials_.right();
   if (!right.supported) return false;
@@ -259,9 +235,7 @@ class PaperRadiusRule : public RadiusRule {
   TrialFits& trials_;
 };
 
-RadiusChoice
-PaperRadiusRule::choose()
-{
+RadiusChoice PaperRadiusRule::choose() {
   const Trial& right = trials_.right();
   if (!right.supported) return RadiusChoice::sparse(right);
   const Trial middle = trials_.middle();
@@ -272,9 +246,8 @@ PaperRadiusRule::choose()
 }
 
 /** Rule (4), with the clamp at r_r where E_l > E_m >= E_r, and Brent's parabolic steps. */
-RadiusChoice
-PaperRadiusRule::chooseAmong(const Trial& left, const Trial& middle, const Trial& right)
-{
+RadiusChoice PaperRadiusRule::chooseAmong(const Trial& left, const Trial& middle,
+                                          const Trial& right) {
   if (left.energy > middle.energy && middle.energy >= right.energy) {
     return RadiusChoice::leaf(right);
   }
@@ -292,9 +265,8 @@ PaperRadiusRule::chooseAmong(const Trial& left, const Trial& middle, const Trial
 }
 
 /** A support-limited leaf, unless its few points are scattered about it. */
-RadiusChoice
-surfaceOrNothing(const TrialFits& trials, const ResidualTests& tests, const Trial& trial)
-{
+RadiusChoice surfaceOrNothing(const TrialFits& trials, const ResidualTests& tests,
+                              const Trial& trial) {
   const double ratio = trials.constants().scattered_ratio;
   const bool scattered =
       tests.lacksFit(trial) && trial.fit.residual_sq > ratio * ratio * trial.rho * trial.rho;
@@ -303,9 +275,7 @@ surfaceOrNothing(const TrialFits& trials, const ResidualTests& tests, const Tria
 
 /** The highest degree with support at r_r, else at the gather radius; degree 0 where there is none.
  */
-Trial
-fitOfLowerDegree(TrialFits& trials, const Trial& wide)
-{
+Trial fitOfLowerDegree(TrialFits& trials, const Trial& wide) {
   const Trial lower = trials.at(trials.samples().rhoRight());
   return lower.fit.degree > 0 ? lower : wide;
 }
@@ -314,9 +284,7 @@ fitOfLowerDegree(TrialFits& trials, const Trial& wide)
  *
  * \return a support-limited leaf; or a sparse ball where no plane can be fitted, or where the few
  * points are scattered about the fit rather than on it. */
-RadiusChoice
-fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
-{
+RadiusChoice fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests) {
   const Trial wide = trials.at(1.0);
   if (wide.supported) {
     const Trial least = trials.atMinimumSupport(1.0);
@@ -334,9 +302,7 @@ fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
 
 }  // namespace
 
-Trial
-FinalFit::make(const RadiusChoice& choice)
-{
+Trial FinalFit::make(const RadiusChoice& choice) {
   const FitPlan& plan = trials_.plan();
   const Trial& chosen = choice.trial;
   const bool at_minimum_support = choice.support_limited && chosen.supported;
@@ -349,11 +315,9 @@ FinalFit::make(const RadiusChoice& choice)
   return result;
 }
 
-/** Fits again with robust weights. e stays that of all points, so that the cover includes outlying points
- * within 5 e. */
-void
-FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
-{
+/** Fits again with robust weights. e stays that of all points, so that the cover includes outlying
+ * points within 5 e. */
+void FinalFit::fitRobustly(WeightKernel kernel, Trial& trial) {
   kernels::compactBall(trials_.samples().all(), static_cast<float>(trial.rho * trial.rho), robust_);
   const double spread_sq = trial.fit.residual_sq;
   for (int pass = 0; pass < trials_.constants().robust_passes; ++pass) {
@@ -364,9 +328,7 @@ FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
 }
 
 /** Cauchy-like weights; their scale is the noise. */
-void
-FinalFit::setRobustWeights(const LocalFit& fit)
-{
+void FinalFit::setRobustWeights(const LocalFit& fit) {
   const RadiusConstants& constants = trials_.constants();
   const double unit = trials_.samples().gatherRadius();
   residuals_.resize(robust_.count + BallBuffer::kPadding);
@@ -380,8 +342,7 @@ FinalFit::setRobustWeights(const LocalFit& fit)
   }
 }
 
-RadiusSearch::RadiusSearch(const FitPlan& plan) : trials_(plan), tests_(trials_), final_(trials_)
-{
+RadiusSearch::RadiusSearch(const FitPlan& plan) : trials_(plan), tests_(trials_), final_(trials_) {
   if (plan.paper) {
     rule_ = std::make_unique<PaperRadiusRule>(trials_);
   } else {
@@ -391,16 +352,12 @@ RadiusSearch::RadiusSearch(const FitPlan& plan) : trials_(plan), tests_(trials_)
 
 RadiusSearch::~RadiusSearch() = default;
 
-bool
-RadiusSearch::isNarrowest() const
-{
+bool RadiusSearch::isNarrowest() const {
   const BallSamples& samples = trials_.samples();
   return kGolden * samples.rhoRight() * samples.gatherRadius() < trials_.plan().least_ball;
 }
 
-RadiusChoice
-RadiusSearch::notNarrower(const RadiusChoice& choice)
-{
+RadiusChoice RadiusSearch::notNarrower(const RadiusChoice& choice) {
   if (!(trials_.plan().least_ball > 0)) return choice;
   const bool internal = choice.kind == RadiusChoice::Kind::kInternal;
   if (internal ? !isNarrowest() : choice.kind != RadiusChoice::Kind::kLeaf) return choice;
@@ -413,21 +370,15 @@ RadiusSearch::notNarrower(const RadiusChoice& choice)
   return internal ? RadiusChoice::leaf(trials_.right()) : choice;
 }
 
-RadiusChoice
-RadiusSearch::search()
-{
+RadiusChoice RadiusSearch::search() {
   return notNarrower(rule_->choose());
 }
 
-bool
-RadiusSearch::surelyInternal()
-{
+bool RadiusSearch::surelyInternal() {
   return !isNarrowest() && rule_->surelyInternal();
 }
 
-RadiusChoice
-RadiusSearch::fallBack()
-{
+RadiusChoice RadiusSearch::fallBack() {
   return notNarrower(fallBackWhereSparse(trials_, tests_));
 }
 

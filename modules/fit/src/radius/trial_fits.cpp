@@ -6,18 +6,14 @@
 
 namespace pcl_slim::detail {
 
-void
-BallSamples::begin(const BallBuffer& ball, double gather_radius, double rho_right)
-{
+void BallSamples::begin(const BallBuffer& ball, double gather_radius, double rho_right) {
   ball_ = &ball;
   gather_radius_ = gather_radius;
   rho_right_ = rho_right;
   has_middle_ = has_inner_ = false;
 }
 
-const BallBuffer&
-BallSamples::within(double rho)
-{
+const BallBuffer& BallSamples::within(double rho) {
   const double middle = kGolden * rho_right_, inner = kGolden * middle;
   if (rho > middle) return *ball_;
   if (!has_middle_) {
@@ -32,24 +28,18 @@ BallSamples::within(double rho)
   return inner_;
 }
 
-void
-TrialFits::begin(const BallBuffer& ball, double gather_radius, double rho_right)
-{
+void TrialFits::begin(const BallBuffer& ball, double gather_radius, double rho_right) {
   samples_.begin(ball, gather_radius, rho_right);
   has_right_ = false;
 }
 
-const Trial&
-TrialFits::right()
-{
+const Trial& TrialFits::right() {
   if (!has_right_) right_ = at(samples_.rhoRight());
   has_right_ = true;
   return right_;
 }
 
-Trial
-TrialFits::at(double rho, int degree, WeightKernel kernel)
-{
+Trial TrialFits::at(double rho, int degree, WeightKernel kernel) {
   ++counts_.fits;
   Trial trial;
   trial.rho = rho;
@@ -64,9 +54,7 @@ TrialFits::at(double rho, int degree, WeightKernel kernel)
   return trial;
 }
 
-double
-TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel)
-{
+double TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel) {
   const double target = plan_.support * numCoefficients(degree);
   double high = from, low = 0.0, rho = from;
   for (int step = 0; step < constants().support_steps; ++step) {
@@ -86,16 +74,12 @@ TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel)
   return high;
 }
 
-Trial
-TrialFits::atMinimumSupport(double from)
-{
+Trial TrialFits::atMinimumSupport(double from) {
   const double rho = minimumSupportRadius(from, plan_.degree, plan_.wall_kernel);
   return at(rho, plan_.degree, plan_.wall_kernel);
 }
 
-Trial
-TrialFits::ofLowerDegree(const Trial& trial, int degree)
-{
+Trial TrialFits::ofLowerDegree(const Trial& trial, int degree) {
   // Slopes that are data have moments of their own, which are not kept.
   if (samples_.all().slope_weight > 0) return at(trial.rho, degree, plan_.fit_kernel);
   Trial low;
@@ -106,9 +90,7 @@ TrialFits::ofLowerDegree(const Trial& trial, int degree)
   return low;
 }
 
-bool
-TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
-{
+bool TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial) {
   ++counts_.fits;
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
                                         kernel, plan_.support, true);
@@ -128,9 +110,7 @@ constexpr double kDiscPerSquare = 0.785;  ///< pi / 4: the area of a disc over t
 }  // namespace
 
 /** The coefficients without what noise adds to them on average, which depends on the radius. */
-std::array<double, kMaxCoefficients>
-FitComparison::unbiased(const Trial& trial) const
-{
+std::array<double, kMaxCoefficients> FitComparison::unbiased(const Trial& trial) const {
   auto c = trial.fit.c;
   const double r = trials_.radiusOf(trial);
   undoNoiseBias(trials_.plan().constants.ball.bias, trial.fit.kernel, trial.fit.degree,
@@ -139,9 +119,7 @@ FitComparison::unbiased(const Trial& trial) const
 }
 
 /** D^2 over the points of the closer fit, with its weights, from its moments. */
-double
-FitComparison::meanSquaredDifference(const Trial& simpler, const Trial& close) const
-{
+double FitComparison::meanSquaredDifference(const Trial& simpler, const Trial& close) const {
   auto difference = unbiased(simpler);
   const auto own = unbiased(close);
   for (std::size_t k = 0; k < own.size(); ++k) difference[k] -= own[k];
@@ -151,9 +129,7 @@ FitComparison::meanSquaredDifference(const Trial& simpler, const Trial& close) c
          unit;
 }
 
-bool
-FitComparison::acceptsSimpler(const Trial& simpler, const Trial& close, double trust) const
-{
+bool FitComparison::acceptsSimpler(const Trial& simpler, const Trial& close, double trust) const {
   const RadiusConstants& constants = trials_.constants();
   if (!(simpler.energy < constants.comparison_rise * close.energy)) return false;
   const double saved = close.fit.terms / close.fit.n_eff - simpler.fit.terms / simpler.fit.n_eff;
@@ -163,9 +139,7 @@ FitComparison::acceptsSimpler(const Trial& simpler, const Trial& close, double t
                                                      trials_.energy().correlation * saved;
 }
 
-Trial
-FitComparison::widestAccepted(const Trial& middle, const Trial& right)
-{
+Trial FitComparison::widestAccepted(const Trial& middle, const Trial& right) {
   const RadiusConstants& constants = trials_.constants();
   const bool flat = right.energy <= trials_.plan().lenience * middle.energy;
   const double trust = flat ? constants.comparison_trust : 1.0;
@@ -182,9 +156,7 @@ FitComparison::widestAccepted(const Trial& middle, const Trial& right)
   return widest;
 }
 
-Trial
-FitComparison::lowestDegreeAccepted(const Trial& trial)
-{
+Trial FitComparison::lowestDegreeAccepted(const Trial& trial) {
   const RadiusConstants& constants = trials_.constants();
   const bool enough = trial.fit.n_eff > constants.degree_support * trial.fit.terms;
   if (!trials_.plan().compare_nested || !enough || !tests_.isNoise(trial)) return trial;
@@ -195,10 +167,9 @@ FitComparison::lowestDegreeAccepted(const Trial& trial)
   return trial;
 }
 
-ResidualStructure::Finding
-ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
-                           double least_cell, double correlation)
-{
+ResidualStructure::Finding ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit,
+                                                      double rho, double least_cell,
+                                                      double correlation) {
   // Cells contain as many independent points as they would of white noise.
   const int side = cellsAlongSide(static_cast<double>(points.count) / correlation, rho, least_cell);
   if (side < constants_.least_cells) return {};
@@ -222,9 +193,7 @@ ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double
 }
 
 /** The points' density decides, within limits. */
-int
-ResidualStructure::cellsAlongSide(double points, double rho, double least_cell) const
-{
+int ResidualStructure::cellsAlongSide(double points, double rho, double least_cell) const {
   const double squares_wanted = points / (kDiscPerSquare * constants_.points_per_cell);
   double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(constants_.most_cells));
   if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
@@ -232,9 +201,7 @@ ResidualStructure::cellsAlongSide(double points, double rho, double least_cell) 
 }
 
 /** Sorts the residuals within rho into side times side cells. \return the sum of their squares. */
-double
-ResidualStructure::fillCells(const BallBuffer& points, double rho, int side)
-{
+double ResidualStructure::fillCells(const BallBuffer& points, double rho, int side) {
   cells_.assign(static_cast<std::size_t>(side) * side, Cell{0.0f, 0.0f});
   const auto radius = static_cast<float>(rho);
   // A little less than half a side, so that rounding leaves the rim inside the last cell.
@@ -253,9 +220,7 @@ ResidualStructure::fillCells(const BallBuffer& points, double rho, int side)
   return squares;
 }
 
-bool
-ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) const
-{
+bool ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) const {
   const double limit = trials_.plan().lack_of_fit;
   if (limit <= 0) return false;
   const double e_sq = std::min(trials_.variance(left), trials_.variance(middle));
@@ -263,11 +228,9 @@ ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) c
 }
 
 /** Where detail is finer than every radius tried, E does not fall towards smaller ones and looks
- * like that of noise; neighbouring residuals show it. Detail that weighs less than the penalty would
- * cost more noise to resolve than it is worth. */
-bool
-ResidualTests::hidesDetail(const Trial& trial)
-{
+ * like that of noise; neighbouring residuals show it. Detail that weighs less than the penalty
+ * would cost more noise to resolve than it is worth. */
+bool ResidualTests::hidesDetail(const Trial& trial) {
   const FitPlan& plan = trials_.plan();
   const RadiusConstants& constants = trials_.constants();
   if (!plan.find_detail || lacksFit(trial)) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stored points in a ball: gathered, covered by a leaf, or marked; and the points of one ball once they are
-// gathered: framed, thinned out, compared with a fit.
+// Stored points in a ball: gathered, covered by a leaf, or marked; and the points of one ball once
+// they are gathered: framed, thinned out, compared with a fit.
 #include "scan/ball_kernels.h"
 
 #include <cstring>
@@ -15,10 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-void
-gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
-           bool with_covariance, BallBuffer& ball, BallSums& sums)
-{
+void gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+                bool with_covariance, BallBuffer& ball, BallSums& sums) {
   const Tag d;
   const auto zero = Zero(d);
   ball.reserve(blocks.size() * PointStore::kBlock);
@@ -72,10 +70,8 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
 }
 
 template <int D, WeightKernel K>
-void
-coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
-              float* coverage)
-{
+void coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                   float* coverage) {
   const Tag d;
   const double scale = 1.0 / leaf.support_radius;
   const ScaledAxes axes(leaf.frame, leaf.support_radius);
@@ -95,10 +91,8 @@ coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf&
 }
 
 template <int D>
-void
-coverWithKernel(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
-                WeightKernel kernel, float* coverage)
-{
+void coverWithKernel(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                     WeightKernel kernel, float* coverage) {
   if (kernel == WeightKernel::kGaussian) {
     coverOfDegree<D, WeightKernel::kGaussian>(store, blocks, leaf, coverage);
   } else {
@@ -106,10 +100,8 @@ coverWithKernel(const PointStore& store, const BlockList& blocks, const CoverLea
   }
 }
 
-void
-coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
-            WeightKernel kernel, float* coverage)
-{
+void coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                 WeightKernel kernel, float* coverage) {
   switch (leaf.degree) {
     case 1: return coverWithKernel<1>(store, blocks, leaf, kernel, coverage);
     case 2: return coverWithKernel<2>(store, blocks, leaf, kernel, coverage);
@@ -118,10 +110,8 @@ coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& l
   }
 }
 
-void
-markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
-           std::uint8_t value, std::uint8_t* marks)
-{
+void markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+                std::uint8_t value, std::uint8_t* marks) {
   const Tag d;
   const std::uint64_t all = value * 0x0101010101010101u;
   const auto unmarked = [&](std::uint32_t b) {
@@ -139,9 +129,7 @@ markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ba
   });
 }
 
-void
-padBall(BallBuffer& ball)
-{
+void padBall(BallBuffer& ball) {
   const Tag d;
   const std::size_t end = ball.count + hn::Lanes(d);
   for (std::size_t i = ball.count; i < end; ++i) {
@@ -156,9 +144,7 @@ constexpr float kSlopeCosine = 0.01f;  ///< least cosine with w that a slope is 
 /** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of
  * the direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on
  * average of the squares. */
-void
-toSlopes(const LocalFrame& frame, BallBuffer& ball)
-{
+void toSlopes(const LocalFrame& frame, BallBuffer& ball) {
   const Tag d;
   const ScaledAxes axes(frame, 1.0);
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
@@ -171,9 +157,7 @@ toSlopes(const LocalFrame& frame, BallBuffer& ball)
   }
 }
 
-void
-toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
-{
+void toFrame(const LocalFrame& frame, float radius, BallBuffer& ball) {
   const Tag d;
   const double scale = 1.0 / radius;
   const ScaledAxes axes(frame, radius);
@@ -191,9 +175,7 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
 }
 
 template <typename Keep>
-HWY_INLINE void
-copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
-{
+HWY_INLINE void copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out) {
   const Tag d;
   out.reserve(ball.count);
   out.slope_weight = ball.slope_weight;
@@ -219,18 +201,14 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
   padBall(out);
 }
 
-void
-compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
-{
+void compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner) {
   const auto limit = set(limit_sq);
   copyWhere(
       ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return s_sq < limit; }, inner);
 }
 
-void
-selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
-                BallBuffer& kept)
-{
+void selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                     BallBuffer& kept) {
   const Tag d;
   const auto keep = [&](std::size_t i, Vec s_sq) HWY_ATTR {
     const auto r = LoadU(d, residuals + i);
@@ -240,9 +218,7 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 }
 
 template <int D>
-void
-residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
-{
+void residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals) {
   const Tag d;
   const Height<D> height(c);
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
@@ -251,9 +227,7 @@ residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
   }
 }
 
-void
-ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
-{
+void ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals) {
   forDegree(degree, [&](auto d) HWY_ATTR { residualsOfDegree<d()>(ball, c, residuals); });
 }
 
@@ -271,49 +245,35 @@ HWY_EXPORT(compactBall);
 HWY_EXPORT(selectResiduals);
 HWY_EXPORT(ballResiduals);
 
-void
-gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
-           bool with_covariance, BallBuffer& ball, BallSums& sums)
-{
+void gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+                bool with_covariance, BallBuffer& ball, BallSums& sums) {
   HWY_DYNAMIC_DISPATCH(gatherBall)(store, blocks, query, with_covariance, ball, sums);
 }
 
-void
-coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
-            WeightKernel kernel, float* coverage)
-{
+void coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                 WeightKernel kernel, float* coverage) {
   HWY_DYNAMIC_DISPATCH(coverPoints)(store, blocks, leaf, kernel, coverage);
 }
 
-void
-markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
-           std::uint8_t value, std::uint8_t* marks)
-{
+void markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+                std::uint8_t value, std::uint8_t* marks) {
   HWY_DYNAMIC_DISPATCH(markPoints)(store, blocks, ball, value, marks);
 }
 
-void
-toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
-{
+void toFrame(const LocalFrame& frame, float radius, BallBuffer& ball) {
   HWY_DYNAMIC_DISPATCH(toFrame)(frame, radius, ball);
 }
 
-void
-compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
-{
+void compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner) {
   HWY_DYNAMIC_DISPATCH(compactBall)(ball, limit_sq, inner);
 }
 
-void
-selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
-                BallBuffer& kept)
-{
+void selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                     BallBuffer& kept) {
   HWY_DYNAMIC_DISPATCH(selectResiduals)(ball, residuals, low, high, kept);
 }
 
-void
-ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
-{
+void ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals) {
   HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, degree, c, residuals);
 }
 

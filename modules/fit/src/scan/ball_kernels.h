@@ -29,16 +29,14 @@ struct BallBuffer {
 
   static constexpr std::size_t kPadding = 64;
 
-  void reserve(std::size_t capacity)
-  {
+  void reserve(std::size_t capacity) {
     if (u.size() >= capacity + kPadding) return;
     const std::size_t grown = capacity + capacity / 8 + kPadding;  // wide balls: millions
     for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
   }
 
   /** \brief Room for normals as well; call after reserve(). */
-  void reserveNormals()
-  {
+  void reserveNormals() {
     for (auto* column : {&n_u, &n_v, &n_w}) column->resize(std::max(column->size(), u.size()));
   }
 };
@@ -65,28 +63,24 @@ struct BallSums {
 namespace kernels {
 
 /** \brief Gathers a ball's points within its normal bound from the given blocks (ascending). */
-void
-gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
-           bool with_covariance, BallBuffer& ball, BallSums& sums);
+void gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+                bool with_covariance, BallBuffer& ball, BallSums& sums);
 
 /** \brief Turns offsets into frame coordinates in units of radius, and normals into slopes if
  * ball.slope_weight is not 0. */
-void
-toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
+void toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
 
 /** \brief Copies the points with s_sq below a limit. */
-void
-compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
+void compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
 
 /** \brief Copies the points whose residual is in [low, high]. */
-void
-selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
-                BallBuffer& kept);
+void selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                     BallBuffer& kept);
 
-/** \brief Residuals w - h(u, v), padding included. \param[in] c coefficients of h in the ball's units
+/** \brief Residuals w - h(u, v), padding included. \param[in] c coefficients of h in the ball's
+ * units
  * \param[out] residuals count rounded up. */
-void
-ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals);
+void ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals);
 
 /** \brief A leaf as the cover sees it. */
 struct CoverLeaf {
@@ -100,15 +94,13 @@ struct CoverLeaf {
 };
 
 /** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */
-void
-coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
-            WeightKernel kernel, float* coverage);
+void coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                 WeightKernel kernel, float* coverage);
 
 /** \brief Sets the bits of value in the marks of a ball's points within its normal bound; touches
  * no other. */
-void
-markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
-           std::uint8_t value, std::uint8_t* marks);
+void markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+                std::uint8_t value, std::uint8_t* marks);
 
 }  // namespace kernels
 }  // namespace pcl_slim::detail

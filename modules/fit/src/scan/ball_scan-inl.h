@@ -28,24 +28,21 @@ struct Lanes {
 class BallScan {
  public:
   BallScan(const PointStore& store, const BallQuery& query)
-      : store_(store), query_(query), radius_sq_(set(query.radius * query.radius))
-  {
+      : store_(store), query_(query), radius_sq_(set(query.radius * query.radius)) {
     bounded_ = query.bound_normal != nullptr;
     for (int a = 0; a < 3; ++a) bound_[a] = bounded_ ? query.bound_normal[a] : 0.0f;
   }
 
   /** Calls body(first point index, lanes) for every group of lanes that meets the ball. */
   template <typename Body>
-  HWY_INLINE void forEach(const BlockList& blocks, const Body& body) const
-  {
+  HWY_INLINE void forEach(const BlockList& blocks, const Body& body) const {
     forEachOf(
         blocks, [](std::uint32_t) { return true; }, body);
   }
 
   /** Likewise in those blocks that are wanted. */
   template <typename Wanted, typename Body>
-  HWY_INLINE void forEachOf(const BlockList& blocks, const Wanted& wanted, const Body& body) const
-  {
+  HWY_INLINE void forEachOf(const BlockList& blocks, const Wanted& wanted, const Body& body) const {
     const Tag d;
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const std::uint32_t b = blocks[k];
@@ -79,11 +76,9 @@ class BallScan {
 
  private:
   static constexpr std::size_t kAhead = 4;  ///< blocks between a prefetch and its use; no result
-                                            ///< depends on it
 
   /** Blocks out of line are not fetched ahead by themselves. */
-  HWY_INLINE void prefetch(std::uint32_t b) const
-  {
+  HWY_INLINE void prefetch(std::uint32_t b) const {
     const std::size_t i = b * PointStore::kBlock;
     for (const float* column : {store_.x(), store_.y(), store_.z()}) hwy::Prefetch(column + i);
     if (!bounded_) return;

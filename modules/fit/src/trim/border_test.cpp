@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loops over a point's neighbours, compiled for each instruction set, and the test that uses them.
+// The loops over a point's neighbours, compiled for each instruction set, and the test that uses
+// them.
 #include "trim/trim.h"
 
 #include <Eigen/Eigenvalues>
@@ -23,10 +24,8 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /** Collects the points of some blocks within a distance of a place, those of its side. */
-void
-gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const Vector3& place, double reach, const PlaceSide& side, NearPoints& points)
-{
+void gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+                   const Vector3& place, double reach, const PlaceSide& side, NearPoints& points) {
   const Tag d;
   const auto limit = set(static_cast<float>(reach * reach));
   points.reserve(blocks.size() * PointStore::kBlock);
@@ -65,9 +64,7 @@ gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 }
 
 /** The sectors of directions; 0 where a lane does not count. */
-HWY_INLINE hn::Vec<hn::RebindToSigned<Tag>>
-sectorsOf(Vec u, Vec v, Mask counts)
-{
+HWY_INLINE hn::Vec<hn::RebindToSigned<Tag>> sectorsOf(Vec u, Vec v, Mask counts) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const auto along = v / (Abs(u) + Abs(v));  // -1 to 1
@@ -77,11 +74,9 @@ sectorsOf(Vec u, Vec v, Mask counts)
   return ConvertTo(di, sector) & Set(di, kBorderSectors - 1);
 }
 
-/** Brings offsets into the axes u, v, w. \return bit k: sector k has a point whose distance from the
- * place, in the plane, exceeds blind. */
-std::uint64_t
-projectOffsets(const std::array<Vector3, 3>& axes, double blind, NearPoints& points)
-{
+/** Brings offsets into the axes u, v, w. \return bit k: sector k has a point whose distance from
+ * the place, in the plane, exceeds blind. */
+std::uint64_t projectOffsets(const std::array<Vector3, 3>& axes, double blind, NearPoints& points) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const auto axis = [&](std::size_t k, std::size_t a)
@@ -112,9 +107,8 @@ projectOffsets(const std::array<Vector3, 3>& axes, double blind, NearPoints& poi
 }
 
 /** Takes the lane of the nearest point, the first of equally near ones. */
-HWY_INLINE void
-takeNearest(Vec squares, hn::Vec<hn::RebindToSigned<Tag>> numbers, EmptyDisc& disc)
-{
+HWY_INLINE void takeNearest(Vec squares, hn::Vec<hn::RebindToSigned<Tag>> numbers,
+                            EmptyDisc& disc) {
   const Tag d;
   HWY_ALIGN float square[HWY_MAX_BYTES / 4];
   HWY_ALIGN std::int32_t number[HWY_MAX_BYTES / 4];
@@ -130,9 +124,7 @@ takeNearest(Vec squares, hn::Vec<hn::RebindToSigned<Tag>> numbers, EmptyDisc& di
 
 /** Narrows a disc to the points of the place's sheet: those no higher over the plane than away from
  * the place, or than thick. Its width and next_sq are upper bounds before. */
-void
-findDisc(const NearPoints& points, double thick, EmptyDisc& disc)
-{
+void findDisc(const NearPoints& points, double thick, EmptyDisc& disc) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const auto thick_sq = set(static_cast<float>(thick * thick));
@@ -161,9 +153,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pcl_slim::detail {
 
-void
-NearPoints::reserve(std::size_t capacity)
-{
+void NearPoints::reserve(std::size_t capacity) {
   constexpr std::size_t kPadding = 2 * PointStore::kBlock;
   if (x.size() >= capacity + kPadding) return;
   const std::size_t grown = capacity + capacity / 2 + kPadding;
@@ -176,22 +166,16 @@ HWY_EXPORT(gatherOffsets);
 HWY_EXPORT(projectOffsets);
 HWY_EXPORT(findDisc);
 
-void
-gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const Vector3& place, double reach, const PlaceSide& side, NearPoints& points)
-{
+void gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+                   const Vector3& place, double reach, const PlaceSide& side, NearPoints& points) {
   HWY_DYNAMIC_DISPATCH(gatherOffsets)(store, blocks, place, reach, side, points);
 }
 
-std::uint64_t
-projectOffsets(const std::array<Vector3, 3>& axes, double blind, NearPoints& points)
-{
+std::uint64_t projectOffsets(const std::array<Vector3, 3>& axes, double blind, NearPoints& points) {
   return HWY_DYNAMIC_DISPATCH(projectOffsets)(axes, blind, points);
 }
 
-void
-findDisc(const NearPoints& points, double thick, EmptyDisc& disc)
-{
+void findDisc(const NearPoints& points, double thick, EmptyDisc& disc) {
   HWY_DYNAMIC_DISPATCH(findDisc)(points, thick, disc);
 }
 
@@ -204,9 +188,7 @@ constexpr float kNoBorder = -1.0f;
 constexpr float kAny = std::numeric_limits<float>::infinity();
 
 /** Angles at which sectors begin. */
-std::array<double, kBorderSectors>
-sectorAngles()
-{
+std::array<double, kBorderSectors> sectorAngles() {
   std::array<double, kBorderSectors> angles{};
   for (int k = 0; k < kBorderSectors; ++k) {
     const double along = (k % (kBorderSectors / 4)) * (4.0 / kBorderSectors);
@@ -219,9 +201,7 @@ sectorAngles()
 const std::array<double, kBorderSectors> kAngles = sectorAngles();
 
 /** The widest angle between sectors that are taken, in radians, and its middle. */
-double
-widestSector(std::uint64_t taken, double* middle)
-{
+double widestSector(std::uint64_t taken, double* middle) {
   if (taken == 0) return 2 * M_PI;
   double widest = 0;
   const int first = __builtin_ctzll(taken);
@@ -243,18 +223,14 @@ widestSector(std::uint64_t taken, double* middle)
 constexpr std::uint32_t kNoPlane = 0;  // no unit normal has this code
 constexpr int kHalfTen = 511;          ///< ten bits encode -1 to 1 in this many steps to each side
 
-std::uint32_t
-packed(const Vector3& normal)
-{
+std::uint32_t packed(const Vector3& normal) {
   std::uint32_t bits = 0;
   for (const double x : normal)
     bits = bits << 10 | static_cast<std::uint32_t>(std::lround(kHalfTen * (1.0 + x)));
   return bits;
 }
 
-Vector3
-unpacked(std::uint32_t bits)
-{
+Vector3 unpacked(std::uint32_t bits) {
   const auto coordinate = [&](int shift) {
     return static_cast<int>(bits >> shift & 1023) / static_cast<double>(kHalfTen) - 1.0;
   };
@@ -262,9 +238,7 @@ unpacked(std::uint32_t bits)
 }
 
 /** Sums of x, y, z, xx, xy, xz, yy, yz, zz in four columns, as every processor adds them. */
-std::array<double, 9>
-sumOffsets(const NearPoints& points)
-{
+std::array<double, 9> sumOffsets(const NearPoints& points) {
   constexpr std::size_t kColumns = 4;
   double sums[9][kColumns] = {};
   for (std::size_t i = 0; i < points.count; i += kColumns) {  // zeros pad the last columns
@@ -296,13 +270,9 @@ BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants
       thick_(constants.noise * noise),
       least_disc_(constants.disc * hole_size),
       side_{{}, min_dot},
-      borders_(borders)
-{
-}
+      borders_(borders) {}
 
-bool
-BorderTest::endsAt(std::size_t point, double spacing, const Vector3& normal)
-{
+bool BorderTest::endsAt(std::size_t point, double spacing, const Vector3& normal) {
   PointBorder& border = borders_[point];
   float largest = border.spacing.load(std::memory_order_acquire);
   if (largest == 0.0f) {
@@ -317,9 +287,7 @@ BorderTest::endsAt(std::size_t point, double spacing, const Vector3& normal)
   return std::abs(dot(plane, normal)) < constants_.edge;
 }
 
-void
-BorderTest::gather(const Vector3& place, double reach)
-{
+void BorderTest::gather(const Vector3& place, double reach) {
   reach_ = reach;
   const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                            static_cast<float>(place[2])};
@@ -328,11 +296,11 @@ BorderTest::gather(const Vector3& place, double reach)
   kernels::gatherOffsets(store_, blocks_, place, reach, side_, near_);
 }
 
-/** The nearest neighbours, enough for a plane and for sectors, and those within the noise's thickness.
- * \param[in] reach to begin with; the outcome does not depend on it. \return whether there are enough. */
-bool
-BorderTest::gatherNear(const Vector3& place, double reach)
-{
+/** The nearest neighbours, enough for a plane and for sectors, and those within the noise's
+ * thickness.
+ * \param[in] reach to begin with; the outcome does not depend on it. \return whether there are
+ * enough. */
+bool BorderTest::gatherNear(const Vector3& place, double reach) {
   const std::size_t enough = constants_.near_points;
   gather(place, std::max(reach, thick_));
   while (near_.count < enough && reach_ < kWidest) gather(place, 1.5 * reach_);
@@ -345,9 +313,7 @@ BorderTest::gatherNear(const Vector3& place, double reach)
   return true;
 }
 
-void
-BorderTest::findPlane()
-{
+void BorderTest::findPlane() {
   const double n = static_cast<double>(near_.count);
   const std::array<double, 9> sums = sumOffsets(near_);
   const Eigen::Vector3d mean = Eigen::Vector3d(sums[0], sums[1], sums[2]) / n;
@@ -364,9 +330,7 @@ BorderTest::findPlane()
 }
 
 /** The discs in the middle of the empty sector and to either side, at most as wide as the reach. */
-void
-BorderTest::findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const
-{
+void BorderTest::findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const double direction = middle + constants_.turn * (static_cast<double>(k) - 1.0);
     discs[k].u = static_cast<float>(std::cos(direction));
@@ -378,10 +342,9 @@ BorderTest::findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const
   }
 }
 
-/** Whether the points at a rim, which have a half disc of neighbours, have a given spacing or less. */
-bool
-BorderTest::isAsDense(const Vector3& place, double spacing)
-{
+/** Whether the points at a rim, which have a half disc of neighbours, have a given spacing or less.
+ */
+bool BorderTest::isAsDense(const Vector3& place, double spacing) {
   const double reach = constants_.near * spacing;
   const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                            static_cast<float>(place[2])};
@@ -396,11 +359,10 @@ BorderTest::isAsDense(const Vector3& place, double spacing)
   return count > constants_.rim_share * 0.5 * M_PI * constants_.near * constants_.near;
 }
 
-/** The spacing that the gathered neighbours have, and the direction of the widest sector without any.
+/** The spacing that the gathered neighbours have, and the direction of the widest sector without
+ * any.
  * \return 0 if none is wide enough for a border */
-double
-BorderTest::findSector(double* middle)
-{
+double BorderTest::findSector(double* middle) {
   const double sector =
       widestSector(kernels::projectOffsets(axes_, constants_.blind * reach_, near_), middle);
   if (sector < constants_.sector) return 0;
@@ -410,9 +372,7 @@ BorderTest::findSector(double* middle)
 
 /** The largest spacing at which the data end at a point, kNoBorder if they do not.
  * \param[in] spacing about that of the points; the outcome does not depend on it */
-float
-BorderTest::measure(std::size_t point, double spacing)
-{
+float BorderTest::measure(std::size_t point, double spacing) {
   const Vector3 place = store_.position(point);
   if (side_.min_dot > -1) side_.normal = store_.normal(point);
   plane_ = kNoPlane;
@@ -438,11 +398,9 @@ BorderTest::measure(std::size_t point, double spacing)
   return largest;
 }
 
-/** The largest spacing at which an empty disc, of at most the reach, is a border and no chance: of points on
- * its other side, if there are any. */
-float
-BorderTest::spacingAcross(const Vector3& place, const EmptyDisc& disc)
-{
+/** The largest spacing at which an empty disc, of at most the reach, is a border and no chance: of
+ * points on its other side, if there are any. */
+float BorderTest::spacingAcross(const Vector3& place, const EmptyDisc& disc) {
   const auto spacing = static_cast<float>(disc.width / least_disc_);
   if (disc.next < 0) return disc.width < static_cast<float>(reach_) ? spacing : kAny;
   const auto next = static_cast<std::size_t>(disc.next);

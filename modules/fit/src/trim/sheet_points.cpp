@@ -17,10 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 template <int D>
-void
-gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
-              SheetPoints& points)
-{
+void gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
+                   SheetPoints& points) {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   const double scale = 1.0 / surfel.support_radius;
@@ -43,17 +41,13 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf&
   points.pad();
 }
 
-void
-gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
-            SheetPoints& points)
-{
+void gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
+                 SheetPoints& points) {
   forDegree(surfel.degree,
             [&](auto degree) HWY_ATTR { gatherSheetOf<degree()>(store, blocks, surfel, points); });
 }
 
-void
-findSectors(SheetPoints& points)
-{
+void findSectors(SheetPoints& points) {
   constexpr float kTanSector = 0.41421356f;
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
@@ -71,9 +65,7 @@ findSectors(SheetPoints& points)
   }
 }
 
-float
-nearestSq(const SheetPoints& points, float u, float v)
-{
+float nearestSq(const SheetPoints& points, float u, float v) {
   const Tag d;
   const auto at_u = set(u), at_v = set(v);
   auto least = set(hwy::HighestValue<float>());
@@ -85,9 +77,7 @@ nearestSq(const SheetPoints& points, float u, float v)
   return GetLane(MinOfLanes(d, least));
 }
 
-QuadrantPoints
-nearestInQuadrants(const SheetPoints& points, float u, float v)
-{
+QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v) {
   const Tag d;
   const auto at_u = set(u), at_v = set(v);
   const auto limit = set(4.0f * nearestSq(points, u, v));
@@ -127,28 +117,20 @@ HWY_EXPORT(findSectors);
 HWY_EXPORT(nearestSq);
 HWY_EXPORT(nearestInQuadrants);
 
-void
-gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
-            SheetPoints& points)
-{
+void gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
+                 SheetPoints& points) {
   HWY_DYNAMIC_DISPATCH(gatherSheet)(store, blocks, surfel, points);
 }
 
-void
-findSectors(SheetPoints& points)
-{
+void findSectors(SheetPoints& points) {
   HWY_DYNAMIC_DISPATCH(findSectors)(points);
 }
 
-float
-nearestSq(const SheetPoints& points, float u, float v)
-{
+float nearestSq(const SheetPoints& points, float u, float v) {
   return HWY_DYNAMIC_DISPATCH(nearestSq)(points, u, v);
 }
 
-QuadrantPoints
-nearestInQuadrants(const SheetPoints& points, float u, float v)
-{
+QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v) {
   return HWY_DYNAMIC_DISPATCH(nearestInQuadrants)(points, u, v);
 }
 
@@ -164,31 +146,27 @@ struct Sector {
   float farthest_sq = 0.0f;
   int count = 0;
 
-  void add(float distance_sq)
-  {
+  void add(float distance_sq) {
     farthest_sq = std::max(farthest_sq, distance_sq);
     ++count;
   }
 
-  void add(const Sector& other)
-  {
+  void add(const Sector& other) {
     farthest_sq = std::max(farthest_sq, other.farthest_sq);
     count += other.count;
   }
 
-  /** Radius squared of the points' region: of m even ones the farthest is expected at m / (m + 1). */
-  double reachSq() const
-  {
+  /** Radius squared of the points' region: of m even ones the farthest is expected at m / (m + 1).
+   */
+  double reachSq() const {
     if (count == 0) return 0.0;
     return std::min(1.0, static_cast<double>(farthest_sq) * (count + 1) / count);
   }
 };
 
 /** Whether a surfel covers a stored point; offset from the centre in radii. */
-bool
-covers(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
-       const Vector3& offset)
-{
+bool covers(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
+            const Vector3& offset) {
   const double reach = surfel.ball.radius / surfel.support_radius;
   if (!(dot(offset, offset) < reach * reach)) return false;
   if (const float* bound = surfel.ball.bound_normal) {
@@ -203,10 +181,8 @@ covers(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
 
 }  // namespace
 
-void
-sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
-            SheetPoints& points)
-{
+void sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
+                 SheetPoints& points) {
   points.reserve(blocks.size());
   points.count = 0;
   const auto& center = surfel.ball.center;
@@ -224,9 +200,7 @@ sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::Cov
   points.pad();
 }
 
-double
-spacingOf(SheetPoints& points)
-{
+double spacingOf(SheetPoints& points) {
   kernels::findSectors(points);
   constexpr std::size_t kChains = 4;  // sums that do not wait for each other
   Sector chains[kChains][kernels::kSheetSectors + 1];

@@ -20,12 +20,12 @@ namespace pcl_slim::detail {
 
 struct FitPlan;
 
-/** \brief A square of bits, row by row, each row in whole words: one operation handles many columns. */
+/** \brief A square of bits, row by row, each row in whole words: one operation handles many
+ * columns. */
 class BitRows {
  public:
   /** \brief Sets the size; every bit is 0 then. */
-  void reset(int side)
-  {
+  void reset(int side) {
     side_ = side;
     words_ = static_cast<std::size_t>(side + 63) / 64;
     bits_.assign(words_ * static_cast<std::size_t>(side), 0);
@@ -35,8 +35,7 @@ class BitRows {
   std::size_t wordsPerRow() const { return words_; }
   std::size_t numWords() const { return bits_.size(); }
   std::uint64_t* row(int y) { return bits_.data() + static_cast<std::size_t>(y) * words_; }
-  const std::uint64_t* row(int y) const
-  {
+  const std::uint64_t* row(int y) const {
     return bits_.data() + static_cast<std::size_t>(y) * words_;
   }
 
@@ -48,14 +47,12 @@ class BitRows {
   std::uint64_t inLastWord() const { return (std::uint64_t{2} << ((side_ - 1) & 63)) - 1; }
 
   /** \brief Sets the bits that others of the same side have. */
-  void add(const BitRows& other)
-  {
+  void add(const BitRows& other) {
     for (std::size_t w = 0; w < bits_.size(); ++w) bits_[w] |= other.bits_[w];
   }
 
   /** \brief Sets columns first to last, both among the row's. */
-  void setRun(int y, int first, int last)
-  {
+  void setRun(int y, int first, int last) {
     std::uint64_t* words = row(y);
     if (first >> 6 == last >> 6) {
       words[first >> 6] |= (std::uint64_t{2} << (last & 63)) - (std::uint64_t{1} << (first & 63));
@@ -69,8 +66,7 @@ class BitRows {
   }
 
   /** \brief Sets all columns but those from first to last; all if last < first. */
-  void setAllBut(int y, int first, int last)
-  {
+  void setAllBut(int y, int first, int last) {
     if (last < first) {
       setRun(y, 0, side_ - 1);
       return;
@@ -85,11 +81,12 @@ class BitRows {
   std::vector<std::uint64_t> bits_;
 };
 
-/** \brief The part of a surfel's (u, v) plane that the gathering ball covers: where the surfel's surface is
- * inside that ball. A surface that bends leaves the ball before its rim. */
+/** \brief The part of a surfel's (u, v) plane that the gathering ball covers: where the surfel's
+ * surface is inside that ball. A surface that bends leaves the ball before its rim. */
 class KnownRegion {
  public:
-  /** \param[in] c coefficients of the surfel \param[in] radius of the ball, in the surfel's radii */
+  /** \param[in] c coefficients of the surfel \param[in] radius of the ball, in the surfel's radii
+   */
   KnownRegion(int degree, const float* c, double radius);
 
   /** \brief Sets the bits of cells beyond. Cell (x, y) is at cell times (x - middle, y - middle).
@@ -123,8 +120,7 @@ struct SheetPoints {
   AlignedVector<std::uint32_t> sector;  ///< of spacingOf()
   std::size_t count = 0;
 
-  void reserve(std::size_t capacity)
-  {
+  void reserve(std::size_t capacity) {
     const std::size_t needed = capacity + BallBuffer::kPadding;
     if (u.size() < needed) {
       u.resize(needed + needed / 2);
@@ -136,44 +132,39 @@ struct SheetPoints {
   }
 
   /** \brief Fills up the last vector with points too far away to matter. */
-  void pad()
-  {
+  void pad() {
     constexpr float kFar = 1e9f;
     std::fill_n(u.begin() + static_cast<std::ptrdiff_t>(count), PointStore::kBlock, kFar);
     std::fill_n(v.begin() + static_cast<std::ptrdiff_t>(count), PointStore::kBlock, kFar);
   }
 };
 
-/** \brief Mean spacing of points in the unit disc, in units of its radius: the root of the area that
- * one point has. The area reaches, in each of 16 sectors (or 8 or 4, where points are few), as far as
- * the farthest point of the sector.
+/** \brief Mean spacing of points in the unit disc, in units of its radius: the root of the area
+ * that one point has. The area reaches, in each of 16 sectors (or 8 or 4, where points are few), as
+ * far as the farthest point of the sector.
  * \return 0 where points have no area. O(points). */
-double
-spacingOf(SheetPoints& points);
+double spacingOf(SheetPoints& points);
 
-/** \brief Collects, of the stored points that a surfel covers, the middle one of every block: a sample
- * for surfels of many points. O(blocks). */
-void
-sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
-            SheetPoints& points);
+/** \brief Collects, of the stored points that a surfel covers, the middle one of every block: a
+ * sample for surfels of many points. O(blocks). */
+void sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
+                 SheetPoints& points);
 
 namespace kernels {
 
 /** \brief Collects the stored points that a surfel covers: in its ball, within the normal bound and
  * at most max_residual from f = 0. */
-void
-gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
-            SheetPoints& points);
+void gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
+                 SheetPoints& points);
 
 constexpr std::uint32_t kSheetSectors = 16;
 
-/** \brief Finds which of 16 equal sectors contains each point; halves of them differ in the highest bit.
- * Points outside of the unit disc get kSheetSectors. */
-void
-findSectors(SheetPoints& points);
+/** \brief Finds which of 16 equal sectors contains each point; halves of them differ in the highest
+ * bit. Points outside of the unit disc get kSheetSectors. */
+void findSectors(SheetPoints& points);
 
-/** \brief The point next to a place in each of its four quadrants, by u, then v; kNone where none is at most
- * twice as far as the nearest of all. */
+/** \brief The point next to a place in each of its four quadrants, by u, then v; kNone where none
+ * is at most twice as far as the nearest of all. */
 struct QuadrantPoints {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::array<std::uint32_t, 4> nearest{kNone, kNone, kNone, kNone};
@@ -181,17 +172,15 @@ struct QuadrantPoints {
 };
 
 /** \brief Squared distance of the point next to a place of the plane. */
-float
-nearestSq(const SheetPoints& points, float u, float v);
+float nearestSq(const SheetPoints& points, float u, float v);
 
 /** \brief O(points). */
-QuadrantPoints
-nearestInQuadrants(const SheetPoints& points, float u, float v);
+QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v);
 
 }  // namespace kernels
 
-/** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
- * unless brackets give another unit. */
+/** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's
+ * points unless brackets give another unit. */
 struct TrimConstants {
   double known = 1.15;         ///< [r] points are gathered within
   double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
@@ -228,8 +217,8 @@ class TrimRaster {
   void findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
                 std::vector<std::array<double, 2>>& places);
 
-  /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as covered.
-   * O(points + cells). */
+  /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as
+   * covered. O(points + cells). */
   void measureDepths(const SheetPoints& points, const KnownRegion& known);
 
   /** \brief The least depth within a share of the radius, in cells / 64. */
@@ -314,7 +303,8 @@ struct EmptyDisc {
 
 constexpr int kBorderSectors = 64;  ///< of directions, equal in the circle |u| + |v| = 1
 
-/** \brief What a border test has found at a stored point. Threads share it, as it depends on nothing else. */
+/** \brief What a border test has found at a stored point. Threads share it, as it depends on
+ * nothing else. */
 struct PointBorder {
   std::atomic<float> spacing{
       0};  ///< the largest at which the data end there; < 0: none; 0: not tested
@@ -325,24 +315,26 @@ using PointBorders = std::vector<PointBorder>;
 
 /** \brief Whether the data end next to a point, in the point's own tangent plane.
  *
- * A surfel's plane does not show it: where the surface turns away from it, at the silhouette of a tube, its
- * points end although the data continue. The neighbours of the point, in the plane of their least variance, leave a
- * sector empty at a border and at a hole, and nowhere else. The disc that fits into that sector and touches the
- * point has to be wider than chance leaves discs empty at the spacing on either side of it. One per
- * thread: it keeps its memory.
+ * A surfel's plane does not show it: where the surface turns away from it, at the silhouette of a
+ * tube, its points end although the data continue. The neighbours of the point, in the plane of
+ * their least variance, leave a sector empty at a border and at a hole, and nowhere else. The disc
+ * that fits into that sector and touches the point has to be wider than chance leaves discs empty
+ * at the spacing on either side of it. One per thread: it keeps its memory.
  */
 class BorderTest {
  public:
   /** \param[in] noise RMS distance of points from the surface, local length
    * \param[in] hole_size diameter of the smallest hole kept, in spacings
-   * \param[in] min_dot the normal bound where normals part sheets, else -2: a face ends at a sharp edge
+   * \param[in] min_dot the normal bound where normals part sheets, else -2: a face ends at a sharp
+   * edge
    * \param[in,out] borders one for each stored point */
   BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
              double hole_size, float min_dot, PointBorders& borders);
 
   /** \brief Whether the data end at a stored point, or leave a surfel's surface at an edge.
    * \param[in] spacing of a surfel's points around it, local length: a narrower gap may be chance
-   * \param[in] normal unit normal of its surface there. O(neighbours) at a point's first test, O(1) then. */
+   * \param[in] normal unit normal of its surface there. O(neighbours) at a point's first test, O(1)
+   * then. */
   bool endsAt(std::size_t point, double spacing, const Vector3& normal);
 
  private:
@@ -376,8 +368,7 @@ class BorderTest {
  * \param[in] hole_size diameter of the smallest hole kept, in spacings of a surfel's points
  * \param[in,out] stats its threads are used, trim_candidates counted
  */
-void
-makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size, FitStatistics& stats,
-             SLIMSurface& surface);
+void makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size,
+                  FitStatistics& stats, SLIMSurface& surface);
 
 }  // namespace pcl_slim::detail

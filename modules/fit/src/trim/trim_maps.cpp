@@ -28,12 +28,10 @@ class TrimMaker {
         hole_size_(hole_size),
         surface_(surface),
         border_(store, kBorder, std::sqrt(plan.noise), hole_size,
-                plan.with_normals ? plan.min_dot : -2.0f, borders)
-  {
-  }
+                plan.with_normals ? plan.min_dot : -2.0f, borders) {}
 
-  /** \brief Surfels begin to end are made next: lists the points around them, if they are near to each
-   * other. */
+  /** \brief Surfels begin to end are made next: lists the points around them, if they are near to
+   * each other. */
   void prepare(std::size_t begin, std::size_t end);
 
   /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
@@ -68,9 +66,7 @@ class TrimMaker {
 
 /** Sets the bit of the node next to each point: smoothing removes points that are isolated or in a
  * single row. */
-void
-keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
-{
+void keepPoints(const SheetPoints& points, int side, std::uint8_t* bits) {
   const float per_unit = 0.5f * static_cast<float>(side - 1);
   for (std::size_t i = 0; i < points.count; ++i) {
     const float u = points.u[i], v = points.v[i];
@@ -83,9 +79,7 @@ keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
 
 /** Surfel i as the cover sees it, with a wider ball and a larger residual bound around it.
  * \param[in] normal its own, which must outlive the result */
-kernels::CoverLeaf
-TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
-{
+kernels::CoverLeaf TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const {
   const float r = surface_.radius[i];
   kernels::CoverLeaf surfel;
   surfel.ball = {{surface_.cx[i], surface_.cy[i], surface_.cz[i]},
@@ -101,9 +95,7 @@ TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
   return surfel;
 }
 
-void
-TrimMaker::gather(std::size_t i)
-{
+void TrimMaker::gather(std::size_t i) {
   const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
   const kernels::CoverLeaf surfel = wideSurfel(i, normal);
   if (has_nearby_) {
@@ -120,9 +112,7 @@ TrimMaker::gather(std::size_t i)
   }
 }
 
-void
-TrimMaker::prepare(std::size_t begin, std::size_t end)
-{
+void TrimMaker::prepare(std::size_t begin, std::size_t end) {
   constexpr float kMostSpread = 16;  // of the balls' box over the widest ball; saves time alone
   const float* centers[3] = {surface_.cx.data(), surface_.cy.data(), surface_.cz.data()};
   float low[3], high[3], widest = 0, spread = 0;
@@ -139,9 +129,7 @@ TrimMaker::prepare(std::size_t begin, std::size_t end)
 }
 
 /** Unit normal of surfel i's surface over one of its points. */
-Vector3
-TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const
-{
+Vector3 TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const {
   const HeightJet jet = evaluateJet(surface_.degree[i], surface_.coefficientsOf(i),
                                     points_.u[point], points_.v[point]);
   return normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v));
@@ -149,9 +137,7 @@ TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) c
 
 /** Whether the data end at one of the places in gaps, evenly chosen, and do not just turn away from
  * the surfel's plane: at the points next to the place, on each of four sides. */
-bool
-TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
-{
+bool TrimMaker::dataEndAtGaps(std::size_t i, double spacing) {
   const double r = surface_.radius[i];
   const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
   const auto most = static_cast<std::size_t>(kBorder.places);
@@ -168,11 +154,9 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
   return false;
 }
 
-/** Whether the surfel's surface continues where its points turn away from it, over a disc too wide to be a
- * gap between them. If so, gaps are as wide as this disc: narrower ones remain closed. */
-bool
-TrimMaker::hasSail(std::size_t i, TrimScale scale)
-{
+/** Whether the surfel's surface continues where its points turn away from it, over a disc too wide
+ * to be a gap between them. If so, gaps are as wide as this disc: narrower ones remain closed. */
+bool TrimMaker::hasSail(std::size_t i, TrimScale scale) {
   scale.hole = std::max(scale.hole, kBorder.far * scale.spacing);
   const double sure = kTrim.known - 0.5 * scale.hole;
   if (sure <= 0.0) return false;
@@ -181,9 +165,7 @@ TrimMaker::hasSail(std::size_t i, TrimScale scale)
   return !places_.empty();
 }
 
-int
-TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
-{
+int TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits) {
   gather(i);
   const float* c = surface_.coefficientsOf(i);
   // The finest map has a node a spacing, the coarsest five a side.
@@ -191,7 +173,8 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
   if (!surface_.isLeaf(i)) least = 2.0 / (kTrim.internal_side - 1);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, kTrim.growth * spacing};
-  // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty often.
+  // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty
+  // often.
   const double sure = kTrim.known - 0.5 * scale.hole;
   if (sure <= 0.0) return 0;
   raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, places_);
@@ -205,9 +188,7 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 }
 
 /** \return the map's side: a node a spacing. */
-int
-TrimMaker::appendMap(double spacing, std::vector<std::uint8_t>& bits) const
-{
+int TrimMaker::appendMap(double spacing, std::vector<std::uint8_t>& bits) const {
   const int side = std::clamp(static_cast<int>(std::ceil(2.0 / spacing)) + 1, TrimMap::kLeastSide,
                               TrimMap::kMostSide);
   const std::size_t begin = bits.size();
@@ -221,10 +202,8 @@ constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no resu
 
 }  // namespace
 
-void
-makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size, FitStatistics& stats,
-             SLIMSurface& surface)
-{
+void makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size,
+                  FitStatistics& stats, SLIMSurface& surface) {
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
   makers.reserve(static_cast<std::size_t>(stats.threads));

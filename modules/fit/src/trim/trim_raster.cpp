@@ -10,8 +10,7 @@
 namespace pcl_slim::detail {
 
 KnownRegion::KnownRegion(int degree, const float* c, double radius)
-    : degree_(degree), c_(c), radius_(radius), highest_(0.0)
-{
+    : degree_(degree), c_(c), radius_(radius), highest_(0.0) {
   double power = 1.0;
   for (int order = 0, k = 0; order <= degree; ++order, power *= radius) {
     double largest = 0.0;  // of |u^i v^j| on the circle: 1 where one of i and j is 0
@@ -21,9 +20,7 @@ KnownRegion::KnownRegion(int degree, const float* c, double radius)
 }
 
 /** The cells of a row in the ball's middle section. */
-KnownRegion::Run
-KnownRegion::circleRun(double v, double cell, double middle, int end) const
-{
+KnownRegion::Run KnownRegion::circleRun(double v, double cell, double middle, int end) const {
   const double half_sq = radius_ * radius_ - v * v;
   if (half_sq < 0.0) return {0, -1};
   const double half = std::sqrt(half_sq) / cell;
@@ -36,9 +33,7 @@ namespace {
 /** The first cell from a place on, in steps of one, that is in: on the way back if the place is.
  * \return beyond last if none is. */
 template <typename IsIn>
-int
-firstIn(int place, int step, int begin, int last, const IsIn& is_in)
-{
+int firstIn(int place, int step, int begin, int last, const IsIn& is_in) {
   if (is_in(place)) {
     while (place != begin && is_in(place - step)) place -= step;
     return place;
@@ -51,11 +46,10 @@ firstIn(int place, int step, int begin, int last, const IsIn& is_in)
 
 }  // namespace
 
-/** The part of a row's run whose surface is in the ball: its ends are searched for from those of the row
- * before, nearer to the middle. */
-KnownRegion::Run
-KnownRegion::narrowed(Run circle, Run from, double cell, double middle, double v) const
-{
+/** The part of a row's run whose surface is in the ball: its ends are searched for from those of
+ * the row before, nearer to the middle. */
+KnownRegion::Run KnownRegion::narrowed(Run circle, Run from, double cell, double middle,
+                                       double v) const {
   double row[kMaxDegree + 1] = {};  // h of this row, by powers of u
   double power = 1.0;
   for (int j = 0; j <= degree_; ++j, power *= v)
@@ -74,9 +68,7 @@ KnownRegion::narrowed(Run circle, Run from, double cell, double middle, double v
   return {first, firstIn(from_last, -1, circle.last, first, is_in)};
 }
 
-void
-KnownRegion::markBeyond(double cell, int middle, BitRows& rows) const
-{
+void KnownRegion::markBeyond(double cell, int middle, BitRows& rows) const {
   const double least_sq = radius_ * radius_ - highest_ * highest_;
   if (least_sq > 0.0 && radius_ - std::sqrt(least_sq) < 0.5 * cell) {
     markBeyondCircle(cell, middle, rows);
@@ -95,9 +87,7 @@ KnownRegion::markBeyond(double cell, int middle, BitRows& rows) const
   }
 }
 
-void
-KnownRegion::markBeyondCircle(double cell, int middle, BitRows& rows) const
-{
+void KnownRegion::markBeyondCircle(double cell, int middle, BitRows& rows) const {
   for (int y = 0; y < rows.side(); ++y) {
     const Run run = circleRun(cell * (y - middle), cell, middle, rows.side() - 1);
     rows.setAllBut(y, run.first, run.last);
@@ -121,9 +111,7 @@ constexpr std::uint16_t kBits[kLanes] = {1,       1 << 1,  1 << 2,  1 << 3, 1 <<
                                          1 << 12, 1 << 13, 1 << 14, 1 << 15};
 
 /** Keeps the set bits whose neighbours in the row are set too; those beyond the row are. */
-void
-erodeRow(const std::uint64_t* from, std::size_t words, std::uint64_t* to)
-{
+void erodeRow(const std::uint64_t* from, std::size_t words, std::uint64_t* to) {
   for (std::size_t w = 0; w < words; ++w) {
     const std::uint64_t before = w > 0 ? from[w - 1] >> 63 : 1;
     const std::uint64_t after = w + 1 < words ? from[w + 1] << 63 : std::uint64_t{1} << 63;
@@ -132,9 +120,7 @@ erodeRow(const std::uint64_t* from, std::size_t words, std::uint64_t* to)
 }
 
 /** Likewise in all rows. */
-void
-erodeRows(const BitRows& from, BitRows& to)
-{
+void erodeRows(const BitRows& from, BitRows& to) {
   to.reset(from.side());
   if (from.wordsPerRow() > 1) {
     for (int y = 0; y < from.side(); ++y) erodeRow(from.row(y), from.wordsPerRow(), to.row(y));
@@ -146,9 +132,7 @@ erodeRows(const BitRows& from, BitRows& to)
 }
 
 /** Sets the bits next to set ones. */
-void
-widenRow(std::uint64_t* row, std::size_t words)
-{
+void widenRow(std::uint64_t* row, std::size_t words) {
   std::uint64_t before = 0;
   for (std::size_t w = 0; w < words; ++w) {
     const std::uint64_t old = row[w], after = w + 1 < words ? row[w + 1] << 63 : 0;
@@ -158,16 +142,12 @@ widenRow(std::uint64_t* row, std::size_t words)
 }
 
 /** One step of smoothing, by (1 4 6 4 1) / 16: variance one cell squared. */
-std::int16_t
-smoothed(int a, int b, int c, int d, int e)
-{
+std::int16_t smoothed(int a, int b, int c, int d, int e) {
   return static_cast<std::int16_t>((a + e + 4 * (b + d) + 6 * c + 8) >> 4);
 }
 
 /** Adds a value to the columns whose bits are set. */
-void
-addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::int16_t* sums)
-{
+void addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::int16_t* sums) {
   for (int x = 0; x < columns; x += kLanes) {
     const auto bits = static_cast<std::uint16_t>(row[x >> 6] >> (x & 63));
     for (int k = 0; k < kLanes; ++k)
@@ -177,11 +157,9 @@ addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::int16_
 
 }  // namespace
 
-/** Half widths, in parts of a cell, of the rows of a disc: for each place of its middle in a cell, the
- * span rows, the first rows below the middle's; -1 where the disc has none. */
-void
-TrimRaster::cutDisc(int rows, int span)
-{
+/** Half widths, in parts of a cell, of the rows of a disc: for each place of its middle in a cell,
+ * the span rows, the first rows below the middle's; -1 where the disc has none. */
+void TrimRaster::cutDisc(int rows, int span) {
   run_halves_.resize(static_cast<std::size_t>(kFine * span));
   for (int k = 0; k < kFine * span; ++k) {
     const int part = k / span;
@@ -192,9 +170,7 @@ TrimRaster::cutDisc(int rows, int span)
   }
 }
 
-void
-TrimRaster::setScale(const TrimScale& scale)
-{
+void TrimRaster::setScale(const TrimScale& scale) {
   cell_ = std::max(kTrim.cell * scale.spacing, kTrim.known / kMostHalf);
   reach_ = 0.5 * scale.hole / cell_;
   growth_ = scale.growth / cell_;
@@ -203,9 +179,7 @@ TrimRaster::setScale(const TrimScale& scale)
 }
 
 /** Sets, in eroded_[0], the cells without points. */
-void
-TrimRaster::markEmpty(const SheetPoints& points)
-{
+void TrimRaster::markEmpty(const SheetPoints& points) {
   BitRows& empty = eroded_[0];
   empty.reset(side_);
   const auto per_unit = static_cast<float>(1.0 / cell_);
@@ -219,9 +193,7 @@ TrimRaster::markEmpty(const SheetPoints& points)
 }
 
 /** Clears, in filled_, the cells around which all cells are empty that a disc contains whole. */
-void
-TrimRaster::markEmptyDiscs(const SheetPoints& points)
-{
+void TrimRaster::markEmptyDiscs(const SheetPoints& points) {
   whole_halves_.clear();
   for (double up = 0.5; reach_ * reach_ - up * up >= 0.25; up += 1.0)
     whole_halves_.push_back(static_cast<std::size_t>(std::sqrt(reach_ * reach_ - up * up) - 0.5));
@@ -241,9 +213,7 @@ TrimRaster::markEmptyDiscs(const SheetPoints& points)
 }
 
 /** Sets, in near_gaps_, the cells at most a reach from uncovered ones, along rows and across. */
-void
-TrimRaster::markNearGaps(int reach)
-{
+void TrimRaster::markNearGaps(int reach) {
   const std::size_t words = covered_.wordsPerRow();
   scratch_bits_.reset(side_);
   near_gaps_.reset(side_);
@@ -261,11 +231,9 @@ TrimRaster::markNearGaps(int reach)
   }
 }
 
-/** Covers the places that points are nearer to than the reach: each point, if it is near any left, a run of
- * cells in each row. */
-void
-TrimRaster::coverGaps(const SheetPoints& points)
-{
+/** Covers the places that points are nearer to than the reach: each point, if it is near any left,
+ * a run of cells in each row. */
+void TrimRaster::coverGaps(const SheetPoints& points) {
   const int rows = static_cast<int>(std::ceil(reach_)), span = 2 * rows + 2;
   markNearGaps(rows + 1);
   cutDisc(rows, span);
@@ -287,9 +255,7 @@ TrimRaster::coverGaps(const SheetPoints& points)
 }
 
 /** The cells that are neither covered nor unsure. */
-void
-TrimRaster::listGaps(std::vector<std::array<double, 2>>& places) const
-{
+void TrimRaster::listGaps(std::vector<std::array<double, 2>>& places) const {
   places.clear();
   for (int y = 0; y < side_; ++y) {
     for (std::size_t w = 0; w < covered_.wordsPerRow(); ++w) {
@@ -304,9 +270,8 @@ TrimRaster::listGaps(std::vector<std::array<double, 2>>& places) const
 }
 
 /** Removes the places that a point is nearer to than the reach. */
-void
-TrimRaster::dropCovered(const SheetPoints& points, std::vector<std::array<double, 2>>& places) const
-{
+void TrimRaster::dropCovered(const SheetPoints& points,
+                             std::vector<std::array<double, 2>>& places) const {
   const double reach_sq = reach_ * reach_ * cell_ * cell_;
   const auto isCovered = [&](const std::array<double, 2>& place) {
     const auto u = static_cast<float>(place[0]), v = static_cast<float>(place[1]);
@@ -315,10 +280,8 @@ TrimRaster::dropCovered(const SheetPoints& points, std::vector<std::array<double
   places.erase(std::remove_if(places.begin(), places.end(), isCovered), places.end());
 }
 
-void
-TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
-                     std::vector<std::array<double, 2>>& places)
-{
+void TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure,
+                          const TrimScale& scale, std::vector<std::array<double, 2>>& places) {
   setScale(scale);
   markEmptyDiscs(points);
   covered_ = filled_;
@@ -338,11 +301,10 @@ TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure, const T
   }
 }
 
-/** Squared distances, in cells and up to cap, of a row's cells to the next uncovered one of the row. A cell
- * is as far from one as there are erosions that it outlasts. \return whether there is one. */
-bool
-TrimRaster::findDistances(int y, int cap, std::int16_t* distance_sq) const
-{
+/** Squared distances, in cells and up to cap, of a row's cells to the next uncovered one of the
+ * row. A cell is as far from one as there are erosions that it outlasts. \return whether there is
+ * one. */
+bool TrimRaster::findDistances(int y, int cap, std::int16_t* distance_sq) const {
   const std::size_t words = covered_.wordsPerRow();
   std::uint64_t rows[2][kMostWords] = {};
   std::uint64_t *row = rows[0], *next = rows[1];
@@ -361,9 +323,7 @@ TrimRaster::findDistances(int y, int cap, std::int16_t* distance_sq) const
   return true;
 }
 
-void
-TrimRaster::findRowDistances(int cap)
-{
+void TrimRaster::findRowDistances(int cap) {
   stride_ = (side_ + kLanes - 1) / kLanes * kLanes;
   row_distance_sq_.assign(static_cast<std::size_t>(side_ * stride_), 0);
   row_has_gap_.resize(static_cast<std::size_t>(side_));
@@ -373,9 +333,7 @@ TrimRaster::findRowDistances(int cap)
 }
 
 /** The same of all rows, from those of each: the least over the rows about. */
-void
-TrimRaster::spreadDistances(int cap)
-{
+void TrimRaster::spreadDistances(int cap) {
   distance_sq_.assign(row_distance_sq_.size(), static_cast<std::int16_t>(cap * cap));
   for (int y = 0; y < side_; ++y) {
     if (!row_has_gap_[static_cast<std::size_t>(y)]) continue;
@@ -391,9 +349,7 @@ TrimRaster::spreadDistances(int cap)
 }
 
 /** Depths from the distances to uncovered cells: the distance less offset, and -offset there. */
-void
-TrimRaster::findDepths(int cap, double offset)
-{
+void TrimRaster::findDepths(int cap, double offset) {
   depth_of_sq_.resize(static_cast<std::size_t>(cap * cap) + 1);
   for (std::size_t k = 0; k < depth_of_sq_.size(); ++k) {
     const double depth = std::sqrt(static_cast<double>(k)) - offset;
@@ -406,9 +362,7 @@ TrimRaster::findDepths(int cap, double offset)
   }
 }
 
-void
-TrimRaster::smoothRows()
-{
+void TrimRaster::smoothRows() {
   scratch_.resize(static_cast<std::size_t>(stride_) + 4);
   for (int y = 0; y < side_; ++y) {
     std::int16_t* row = depth_.data() + y * stride_;
@@ -421,9 +375,7 @@ TrimRaster::smoothRows()
   }
 }
 
-void
-TrimRaster::smoothColumns()
-{
+void TrimRaster::smoothColumns() {
   scratch_ = depth_;
   const auto row = [&](int y) { return scratch_.data() + std::clamp(y, 0, side_ - 1) * stride_; };
   for (int y = 0; y < side_; ++y) {
@@ -434,9 +386,7 @@ TrimRaster::smoothColumns()
   }
 }
 
-void
-TrimRaster::measureDepths(const SheetPoints& points, const KnownRegion& known)
-{
+void TrimRaster::measureDepths(const SheetPoints& points, const KnownRegion& known) {
   if (!all_covered_) {
     covered_ = filled_;
     coverGaps(points);
@@ -453,9 +403,7 @@ TrimRaster::measureDepths(const SheetPoints& points, const KnownRegion& known)
   }
 }
 
-int
-TrimRaster::leastDepth(double share) const
-{
+int TrimRaster::leastDepth(double share) const {
   const double reach = share / cell_;
   int least = kDepthUnit * kMostDepth;
   for (int y = 0; y < side_; ++y) {
@@ -469,9 +417,7 @@ TrimRaster::leastDepth(double share) const
 }
 
 /** Depth at a place in 256ths of a cell, times 2^16, by bilinear interpolation. */
-int
-TrimRaster::depthAt(int x_fixed, int y_fixed) const
-{
+int TrimRaster::depthAt(int x_fixed, int y_fixed) const {
   const int x = std::clamp(x_fixed >> 8, 0, side_ - 2), y = std::clamp(y_fixed >> 8, 0, side_ - 2);
   const int dx = x_fixed - (x << 8), dy = y_fixed - (y << 8);
   const std::int16_t* at = depth_.data() + y * stride_ + x;
@@ -480,9 +426,7 @@ TrimRaster::depthAt(int x_fixed, int y_fixed) const
   return below * (256 - dy) + above * dy;
 }
 
-void
-TrimRaster::fillMap(int side, std::uint8_t* bits) const
-{
+void TrimRaster::fillMap(int side, std::uint8_t* bits) const {
   std::array<int, TrimMap::kMostSide> places;  // in 256ths of a cell
   for (int node = 0; node < side; ++node) {
     const double coordinate = 2.0 * node / (side - 1) - 1.0;

@@ -6,7 +6,8 @@
 
 namespace pcl_slim::detail {
 
-/** Which leaves a place's distance is blended from; lengths in radii of a leaf but for the noise. */
+/** Which leaves a place's distance is blended from; lengths in radii of a leaf but for the noise.
+ */
 struct SheetRules {
   WeightKernel kernel = WeightKernel::kPower4;
   bool oriented = false;
@@ -32,7 +33,8 @@ struct BlockColors {
   alignas(64) float sum[3][16];  ///< weighted red, green, blue, 0..255
 };
 
-/** The blended surface from a block's sums, columns per point; undefined where nothing was added. */
+/** The blended surface from a block's sums, columns per point; undefined where nothing was added.
+ */
 struct BlockPrincipals {
   alignas(64) float length[16];     ///< of the blended gradient
   alignas(64) float normal[3][16];  ///< unit
@@ -42,28 +44,23 @@ struct BlockPrincipals {
 
 namespace kernels {
 
-void
-clearSheets(BlockSheets& sheets);
+void clearSheets(BlockSheets& sheets);
 
 /** Pass 1: keeps a leaf where it scores more than those before it. */
-void
-findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-           BlockSheets& sheets);
+void findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+                BlockSheets& sheets);
 
 /** Pass 2: adds a leaf where it belongs to the sheet of the nearest one. */
-void
-addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-          BlockSheets& sheets);
+void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+               BlockSheets& sheets);
 
-/** Adds a leaf's colour at the places in its ball. It counts in full where its polynomial passes within
- * kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet. */
-void
-addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-          BlockColors& colors);
+/** Adds a leaf's colour at the places in its ball. It counts in full where its polynomial passes
+ * within kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet. */
+void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+               BlockColors& colors);
 
 /** Like principalCurvatures(), in single precision and for sixteen points together. */
-void
-findPrincipals(const BlockSums& sums, BlockPrincipals& principals);
+void findPrincipals(const BlockSums& sums, BlockPrincipals& principals);
 
 }  // namespace kernels
 }  // namespace pcl_slim::detail

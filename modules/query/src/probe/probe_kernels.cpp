@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What leaves say of sixteen places side by side: distances to one leaf, to first order (f / |grad f| and the
-// foot it leads to); its colours; principal curvatures and directions of blended gradients and Hessians
-// (equation 8, left).
+// What leaves say of sixteen places side by side: distances to one leaf, to first order (f / |grad
+// f| and the foot it leads to); its colours; principal curvatures and directions of blended
+// gradients and Hessians (equation 8, left).
 #include "probe/probe.h"
 
 #include <algorithm>
@@ -29,10 +29,9 @@ struct SheetFeet {
 };
 
 template <int D>
-HWY_INLINE SheetFeet
-feetOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-       const LeafFrame& frame, const HeightJets<D>& jets, std::size_t i)
-{
+HWY_INLINE SheetFeet feetOf(const BlockPoints& points, const BlockLeaf& leaf,
+                            const SheetRules& rules, const LeafFrame& frame,
+                            const HeightJets<D>& jets, std::size_t i) {
   const Tag d;
   SheetFeet feet;
   const Local p = frame.place(points, i);
@@ -57,10 +56,8 @@ feetOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules
 }
 
 template <int D>
-void
-findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-             BlockSheets& sheets)
-{
+void findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+                  BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
@@ -82,10 +79,8 @@ findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules&
 }
 
 template <int D>
-void
-addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-            BlockSheets& sheets)
-{
+void addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+                 BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
@@ -110,26 +105,20 @@ addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& 
   }
 }
 
-void
-findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-           BlockSheets& sheets)
-{
+void findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+                BlockSheets& sheets) {
   forDegree(leaf.degree,
             [&](auto degree) HWY_ATTR { findSheetsOf<degree()>(points, leaf, rules, sheets); });
 }
 
-void
-addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-          BlockSheets& sheets)
-{
+void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+               BlockSheets& sheets) {
   forDegree(leaf.degree,
             [&](auto degree) HWY_ATTR { addSheetsOf<degree()>(points, leaf, rules, sheets); });
 }
 
 template <int D, WeightKernel K>
-void
-addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& colors)
-{
+void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& colors) {
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
   const Tag d;
   const LeafFrame frame(leaf);
@@ -163,32 +152,24 @@ addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& color
   }
 }
 
-void
-addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-          BlockColors& colors)
-{
+void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+               BlockColors& colors) {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
     forKernel(rules.kernel,
               [&](auto kernel) HWY_ATTR { addColorsOf<degree(), kernel()>(points, leaf, colors); });
   });
 }
 
-HWY_INLINE Triple<Vec>
-sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b)
-{
+HWY_INLINE Triple<Vec> sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b) {
   return {MulAdd(s, a.x, t * b.x), MulAdd(s, a.y, t * b.y), MulAdd(s, a.z, t * b.z)};
 }
 
-HWY_INLINE Triple<Vec>
-load(const float (&columns)[3][16], std::size_t i)
-{
+HWY_INLINE Triple<Vec> load(const float (&columns)[3][16], std::size_t i) {
   const Tag d;
   return {Load(d, columns[0] + i), Load(d, columns[1] + i), Load(d, columns[2] + i)};
 }
 
-HWY_INLINE void
-store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t i)
-{
+HWY_INLINE void store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t i) {
   const Tag d;
   Store(a.x, d, columns[0] + i);
   Store(a.y, d, columns[1] + i);
@@ -196,9 +177,7 @@ store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t i)
 }
 
 /** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
-HWY_INLINE void
-halfAngle(Vec x, Vec y, Vec length, Vec& cosine, Vec& sine)
-{
+HWY_INLINE void halfAngle(Vec x, Vec y, Vec length, Vec& cosine, Vec& sine) {
   const Tag d;
   const Vec zero = Zero(d);
   const Mask behind = x < zero;
@@ -211,9 +190,7 @@ halfAngle(Vec x, Vec y, Vec length, Vec& cosine, Vec& sine)
   sine = IfThenElseZero(any, s / divisor);
 }
 
-void
-findPrincipals(const BlockSums& sums, BlockPrincipals& principals)
-{
+void findPrincipals(const BlockSums& sums, BlockPrincipals& principals) {
   const Tag d;
   const Vec one = set(1.0f), half_of = set(0.5f), zero = Zero(d);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
@@ -255,40 +232,30 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pcl_slim::detail::kernels {
 
-void
-clearSheets(BlockSheets& sheets)
-{
+void clearSheets(BlockSheets& sheets) {
   sheets = BlockSheets{};
 }
 
 HWY_EXPORT(findSheets);
-void
-findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-           BlockSheets& sheets)
-{
+void findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+                BlockSheets& sheets) {
   HWY_DYNAMIC_DISPATCH(findSheets)(points, leaf, rules, sheets);
 }
 
 HWY_EXPORT(addSheets);
-void
-addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
-          BlockSheets& sheets)
-{
+void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+               BlockSheets& sheets) {
   HWY_DYNAMIC_DISPATCH(addSheets)(points, leaf, rules, sheets);
 }
 
 HWY_EXPORT(addColors);
-void
-addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-          BlockColors& colors)
-{
+void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+               BlockColors& colors) {
   HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, colors);
 }
 
 HWY_EXPORT(findPrincipals);
-void
-findPrincipals(const BlockSums& sums, BlockPrincipals& principals)
-{
+void findPrincipals(const BlockSums& sums, BlockPrincipals& principals) {
   HWY_DYNAMIC_DISPATCH(findPrincipals)(sums, principals);
 }
 

@@ -41,8 +41,7 @@ class LeafRegion {
 
   const Vector3& origin() const { return origin_; }
   /** A place relative to the origin. */
-  std::array<float, 3> offset(const Vector3& p) const
-  {
+  std::array<float, 3> offset(const Vector3& p) const {
     return {static_cast<float>(p[0] - origin_[0]), static_cast<float>(p[1] - origin_[1]),
             static_cast<float>(p[2] - origin_[2])};
   }
@@ -50,11 +49,10 @@ class LeafRegion {
   /** Leaves that reach into a box inside the region. */
   void choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen);
 
-  /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf whose ball contains
-   * a place. */
+  /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf whose
+   * ball contains a place. */
   template <typename Body>
-  void forHolding(const Vector3& place, const Body& body)
-  {
+  void forHolding(const Vector3& place, const Body& body) {
     const auto p = offset(place);
     for (std::size_t j = 0; j < count_; ++j) {
       const float dx = x_[j] - p[0], dy = y_[j] - p[1], dz = z_[j] - p[2];
@@ -80,9 +78,7 @@ class LeafRegion {
 };
 
 /** Squared distance from a place to a box. */
-double
-distanceSq(const Vector3& p, const Vector3& low, const Vector3& high)
-{
+double distanceSq(const Vector3& p, const Vector3& low, const Vector3& high) {
   double sum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const double off = std::max({low[a] - p[a], p[a] - high[a], 0.0});
@@ -91,17 +87,13 @@ distanceSq(const Vector3& p, const Vector3& low, const Vector3& high)
   return sum;
 }
 
-bool
-LeafRegion::covers(const Vector3& low, const Vector3& high) const
-{
+bool LeafRegion::covers(const Vector3& low, const Vector3& high) const {
   bool inside = valid_;
   for (std::size_t a = 0; a < 3; ++a) inside = inside && low_[a] <= low[a] && high[a] <= high_[a];
   return inside;
 }
 
-void
-LeafRegion::resize(std::size_t count)
-{
+void LeafRegion::resize(std::size_t count) {
   if (leaves_.size() >= count) return;
   for (auto* column : {&x_, &y_, &z_, &reach_sq_, &effective_count_, &measure_}) {
     column->resize(count);
@@ -109,10 +101,8 @@ LeafRegion::resize(std::size_t count)
   leaves_.resize(count);
 }
 
-void
-LeafRegion::build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tree, double reach,
-                  const Vector3& low, const Vector3& high, double margin)
-{
+void LeafRegion::build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tree, double reach,
+                       const Vector3& low, const Vector3& high, double margin) {
   float min[3], max[3];
   for (std::size_t a = 0; a < 3; ++a) {
     low_[a] = low[a] - margin;
@@ -143,9 +133,8 @@ LeafRegion::build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tree, d
   }
 }
 
-void
-LeafRegion::choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen)
-{
+void LeafRegion::choose(const Vector3& low, const Vector3& high,
+                        std::vector<const BlockLeaf*>& chosen) {
   float middle[3], half[3];
   for (std::size_t a = 0; a < 3; ++a) {
     middle[a] = static_cast<float>(0.5 * (low[a] + high[a]) - origin_[a]);
@@ -177,9 +166,7 @@ constexpr float kSameSheet = 0.3f;     ///< of r: leaves of one sheet differ by 
 constexpr float kNoiseErrors = 3.0f;   ///< and by this many deviations of the noise
 constexpr float kSoftening = 0.05f;    ///< of r: nearer leaves are equally near
 
-ProbeLeaf
-placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise)
-{
+ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
   ProbeLeaf placed{{}, {surface.cx[i], surface.cy[i], surface.cz[i]}, surface.effective_count[i]};
   BlockLeaf& leaf = placed.leaf;
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
@@ -213,8 +200,7 @@ struct ProbeIndex::Leaves {
 };
 
 ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
-    : surface_(surface), leaves_(std::make_unique<Leaves>())
-{
+    : surface_(surface), leaves_(std::make_unique<Leaves>()) {
   const bool extraction = use != ProbeUse::kSamples;
   if (use == ProbeUse::kSharp) leaves_->min_dot = kSharpDot;
   if (extraction) {
@@ -253,9 +239,7 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
 
 ProbeIndex::~ProbeIndex() = default;
 
-std::size_t
-ProbeIndex::memoryBytes() const
-{
+std::size_t ProbeIndex::memoryBytes() const {
   return leaves_->all.size() * sizeof(ProbeLeaf) + leaves_->tree.memoryBytes();
 }
 
@@ -272,23 +256,17 @@ struct SurfaceProbe::Scratch {
 };
 
 SurfaceProbe::SurfaceProbe(const ProbeIndex& index)
-    : index_(index), scratch_(std::make_unique<Scratch>())
-{
-}
+    : index_(index), scratch_(std::make_unique<Scratch>()) {}
 
 SurfaceProbe::~SurfaceProbe() = default;
 
-void
-SurfaceProbe::restart(double margin)
-{
+void SurfaceProbe::restart(double margin) {
   margin_ = margin;
   scratch_->region.clear();
 }
 
 /** Collects the leaves near a box. */
-void
-SurfaceProbe::cover(const Vector3& low, const Vector3& high)
-{
+void SurfaceProbe::cover(const Vector3& low, const Vector3& high) {
   LeafRegion& region = scratch_->region;
   if (region.covers(low, high)) return;
   region.build(index_.leaves_->all, index_.leaves_->tree, index_.leaves_->reach, low, high,
@@ -296,9 +274,7 @@ SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 }
 
 /** Chooses the leaves near some places, and writes the places where kernels read them. */
-void
-SurfaceProbe::load(const Vector3* positions, std::size_t count)
-{
+void SurfaceProbe::load(const Vector3* positions, std::size_t count) {
   Bounds box;
   for (std::size_t i = 0; i < count; ++i) box.add(positions[i]);
   cover(box.low, box.high);
@@ -313,9 +289,7 @@ SurfaceProbe::load(const Vector3* positions, std::size_t count)
 }
 
 /** Writes down which sides leaves must face. \return whether any. */
-bool
-SurfaceProbe::loadSides(const ProbeRequest& request)
-{
+bool SurfaceProbe::loadSides(const ProbeRequest& request) {
   Scratch& s = *scratch_;
   const bool each = request.sides != nullptr;
   if (!each && !(dot(request.side, request.side) > 0)) return false;
@@ -329,9 +303,7 @@ SurfaceProbe::loadSides(const ProbeRequest& request)
   return true;
 }
 
-void
-SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
-{
+void SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples) {
   if (request.count == 0) return;
   ++num_requests_;
   load(request.positions, request.count);
@@ -360,9 +332,7 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
 }
 
 /** Stores the blended result for one place. */
-void
-SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const
-{
+void SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const {
   const BlockSums& sums = scratch_->sums;
   const BlockPrincipals& found = scratch_->principals;
   const double weight = sums.weight[i];
@@ -385,11 +355,9 @@ SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sa
   }
 }
 
-/** The same for curvatures and their extremalities, in double precision: on clean data they give the line's
- * place to a hundredth of a spacing. */
-void
-SurfaceProbe::finishThird(std::size_t i, ProbeSample& sample) const
-{
+/** The same for curvatures and their extremalities, in double precision: on clean data they give
+ * the line's place to a hundredth of a spacing. */
+void SurfaceProbe::finishThird(std::size_t i, ProbeSample& sample) const {
   const BlockSums& sums = scratch_->sums;
   const double weight = sums.weight[i];
   const Vector3 g = {sums.gradient[0][i] / weight, sums.gradient[1][i] / weight,
@@ -403,9 +371,7 @@ SurfaceProbe::finishThird(std::size_t i, ProbeSample& sample) const
   setExtremality(g, length, h, third, sample.frame);
 }
 
-void
-SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance* distances)
-{
+void SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance* distances) {
   if (count == 0) return;
   ++num_requests_;
   load(places, count);
@@ -435,10 +401,8 @@ SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance*
   }
 }
 
-void
-SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size_t count,
-                     std::array<float, 3>* colors)
-{
+void SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size_t count,
+                          std::array<float, 3>* colors) {
   std::fill(colors, colors + count, std::array<float, 3>{-1.0f, -1.0f, -1.0f});
   if (count == 0 || !index_.surface_.hasColors()) return;
   ++num_requests_;
@@ -462,9 +426,7 @@ SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size_t co
   }
 }
 
-ProbeScale
-SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
-{
+ProbeScale SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side) {
   cover(position, position);
   const BlendRules& rules = index_.leaves_->rules;
   const bool sided = rules.oriented && dot(side, side) > 0;
@@ -482,10 +444,9 @@ SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
   return {radius / weight, effective_count / weight, coverage};
 }
 
-std::vector<std::array<std::uint8_t, 3>>
-surfaceColors(const SLIMSurface& surface, const std::vector<Vector3>& positions,
-              const std::vector<std::array<float, 3>>& normals, int threads)
-{
+std::vector<std::array<std::uint8_t, 3>> surfaceColors(
+    const SLIMSurface& surface, const std::vector<Vector3>& positions,
+    const std::vector<std::array<float, 3>>& normals, int threads) {
   constexpr std::size_t kRun = SurfaceProbe::kMost;
   if (!surface.hasColors()) return {};
   std::vector<std::array<std::uint8_t, 3>> made(positions.size(), {255, 255, 255});

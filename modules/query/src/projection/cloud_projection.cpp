@@ -15,9 +15,7 @@ namespace {
 constexpr double kClearBeam = 0.2;  ///< cosine from which a point's own beam gives its side
 
 /** Reverses a point's normal and all that depends on its sign. */
-void
-turn(ProjectedPoint& point)
-{
+void turn(ProjectedPoint& point) {
   for (float& value : point.normal) value = -value;
   point.mean_curvature = -point.mean_curvature;
   PrincipalFrame& principal = point.principal;
@@ -32,26 +30,20 @@ turn(ProjectedPoint& point)
 
 /** As a float, the largest there is where it is beyond: in clouds of 1e-25 units squared curvatures
  * are. */
-float
-saturated(double value)
-{
+float saturated(double value) {
   constexpr double kMost = std::numeric_limits<float>::max();
   return static_cast<float>(std::clamp(value, -kMost, kMost));
 }
 
 /** Brings curvatures to another unit of length: factor of the new ones is one of the old. */
-void
-rescale(double factor, PrincipalFrame& principal)
-{
+void rescale(double factor, PrincipalFrame& principal) {
   principal.k1 = saturated(principal.k1 / factor);
   principal.k2 = saturated(principal.k2 / factor);
   principal.extremality1 = saturated(principal.extremality1 / factor / factor);
   principal.extremality2 = saturated(principal.extremality2 / factor / factor);
 }
 
-Error
-foreignSurface(const CloudProjectionStatistics& statistics)
-{
+Error foreignSurface(const CloudProjectionStatistics& statistics) {
   return {ErrorCode::kBadInput,
           "the surface supports " + std::to_string(statistics.moved) + " of " +
               std::to_string(statistics.points - statistics.non_finite) +
@@ -60,11 +52,9 @@ foreignSurface(const CloudProjectionStatistics& statistics)
 
 }  // namespace
 
-Result<CloudProjection>
-CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
-                      const CloudProjectionParams& params, Progress* progress,
-                      const PointStore* store)
-{
+Result<CloudProjection> CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
+                                              const CloudProjectionParams& params,
+                                              Progress* progress, const PointStore* store) {
   std::optional<PointStore> own;
   if (store == nullptr) {
     Result<PointStore> built = PointStore::build(cloud, params.projection.threads);
@@ -99,18 +89,15 @@ CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
   return made;
 }
 
-CloudProjection
-CloudProjection::ofNothing(std::size_t points)
-{
+CloudProjection CloudProjection::ofNothing(std::size_t points) {
   CloudProjection made;
   made.stored_.assign(points, PointStore::kSkipped);
   made.statistics_.points = made.statistics_.non_finite = points;
   return made;
 }
 
-std::array<double, 3>
-CloudProjection::toFirst(const PointStore& store, const std::array<double, 3>& local) const
-{
+std::array<double, 3> CloudProjection::toFirst(const PointStore& store,
+                                               const std::array<double, 3>& local) const {
   std::array<double, 3> p;
   for (std::size_t a = 0; a < 3; ++a) {
     p[a] = (store.origin()[a] - origin_[a]) / scale_ + store.scale() / scale_ * local[a];
@@ -118,9 +105,8 @@ CloudProjection::toFirst(const PointStore& store, const std::array<double, 3>& l
   return p;
 }
 
-Error
-CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progress* progress)
-{
+Error CloudProjection::add(const PointStore& store, const SLIMSurface& surface,
+                           Progress* progress) {
   Projection more;
   if (Error error = projectPoints(store, surface, params_.projection, more, progress)) return error;
   const std::size_t first = projection_.position.size();
@@ -148,9 +134,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
   return {};
 }
 
-void
-CloudProjection::keep(const PointStore& store)
-{
+void CloudProjection::keep(const PointStore& store) {
   const std::size_t count = projection_.position.size() + store.size();
   projection_.position.resize(count);
   projection_.normal.resize(count);
@@ -161,10 +145,8 @@ CloudProjection::keep(const PointStore& store)
   measure(count - store.size());
 }
 
-Error
-CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const PointStore* frame,
-                         std::uint64_t& left)
-{
+Error CloudProjection::addRest(const SLIMSurface& surface, Progress* progress,
+                               const PointStore* frame, std::uint64_t& left) {
   std::vector<std::int32_t> indices;  // those of non-finite points too: the store skips them again
   std::vector<std::size_t> asked;
   for (std::size_t i = 0; i < size(); ++i) {
@@ -195,9 +177,7 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const P
   return add(*store, surface, progress);
 }
 
-void
-CloudProjection::measure(std::size_t first)
-{
+void CloudProjection::measure(std::size_t first) {
   for (std::size_t i = 0; i < size(); ++i) {
     if (!isFinite(i) || stored_[i] < first) continue;
     if (!isSupported(i)) {
@@ -219,17 +199,13 @@ CloudProjection::measure(std::size_t first)
 }
 
 /** Where a point was seen from, if that is known. */
-std::optional<std::array<double, 3>>
-CloudProjection::eyeOf(std::size_t input) const
-{
+std::optional<std::array<double, 3>> CloudProjection::eyeOf(std::size_t input) const {
   if (params_.viewpoint) return params_.viewpoint;
   if (cloud_.sensors) return cloud_.sensorPosition(input);
   return cloud_.sensor;
 }
 
-float
-CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
-{
+float CloudProjection::side(std::size_t i, const ProjectedPoint& point) const {
   double along = 0.0;
   if (cloud_.normal != nullptr) {
     std::array<float, 3> normal;
@@ -251,16 +227,15 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
       along += ray * point.normal[a];
       range_sq += ray * ray;
     }
-    // The surface faces the points' sensors as a whole; a grazing beam decides less than the surface.
+    // The surface faces the points' sensors as a whole; a grazing beam decides less than the
+    // surface.
     const bool own = !params_.viewpoint && cloud_.sensors;
     if (own && along > -kClearBeam * std::sqrt(range_sq)) along = 0.0;
   }
   return along < 0.0 ? -1.0f : 1.0f;
 }
 
-ProjectedPoint
-CloudProjection::point(std::size_t i) const
-{
+ProjectedPoint CloudProjection::point(std::size_t i) const {
   const std::size_t s = stored_[i];
   ProjectedPoint point;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -281,9 +256,7 @@ CloudProjection::point(std::size_t i) const
 }
 
 template <typename Which>
-std::vector<std::int32_t>
-CloudProjection::indicesOf(const Which& which) const
-{
+std::vector<std::int32_t> CloudProjection::indicesOf(const Which& which) const {
   std::vector<std::int32_t> indices;
   for (std::size_t i = 0; i < size(); ++i) {
     if (which(i)) indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
@@ -291,15 +264,11 @@ CloudProjection::indicesOf(const Which& which) const
   return indices;
 }
 
-std::vector<std::int32_t>
-CloudProjection::unsupported() const
-{
+std::vector<std::int32_t> CloudProjection::unsupported() const {
   return indicesOf([this](std::size_t i) { return isFinite(i) && !isSupported(i); });
 }
 
-std::vector<std::int32_t>
-CloudProjection::outside() const
-{
+std::vector<std::int32_t> CloudProjection::outside() const {
   return indicesOf([this](std::size_t i) { return isSupported(i) && !isInside(i); });
 }
 

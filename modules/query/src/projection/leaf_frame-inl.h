@@ -8,8 +8,8 @@
 #define PCL_SLIM_LEAF_FRAME_INL
 #endif
 
-#include "projection/projection.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "projection/projection.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
@@ -22,13 +22,11 @@ struct ThirdDerivatives {
 template <int D>
 class HeightJets {
  public:
-  explicit HeightJets(const float* c)
-  {
+  explicit HeightJets(const float* c) {
     for (int k = 0; k < numCoefficients(D); ++k) c_[k] = set(c[k]);
   }
 
-  HWY_INLINE void gradient(Vec u, Vec v, Vec& h, Vec& hu, Vec& hv) const
-  {
+  HWY_INLINE void gradient(Vec u, Vec v, Vec& h, Vec& hu, Vec& hv) const {
     h = MulAdd(c_[1], u, MulAdd(c_[2], v, c_[0]));
     hu = c_[1];
     hv = c_[2];
@@ -56,8 +54,7 @@ class HeightJets {
     }
   }
 
-  HWY_INLINE void second(Vec u, Vec v, Vec& huu, Vec& huv, Vec& hvv) const
-  {
+  HWY_INLINE void second(Vec u, Vec v, Vec& huu, Vec& huv, Vec& hvv) const {
     const Vec two = set(2);
     huu = huv = hvv = Zero(Tag());
     if constexpr (D >= 2) {
@@ -78,8 +75,7 @@ class HeightJets {
     }
   }
 
-  HWY_INLINE ThirdDerivatives third(Vec u, Vec v) const
-  {
+  HWY_INLINE ThirdDerivatives third(Vec u, Vec v) const {
     const Vec zero = Zero(Tag());
     ThirdDerivatives h{zero, zero, zero, zero};
     if constexpr (D >= 3) {
@@ -110,8 +106,7 @@ struct Local {
 /** One leaf's frame in registers. */
 class LeafFrame {
  public:
-  explicit LeafFrame(const BlockLeaf& leaf) : inverse_(set(1.0f / leaf.radius))
-  {
+  explicit LeafFrame(const BlockLeaf& leaf) : inverse_(set(1.0f / leaf.radius)) {
     for (int a = 0; a < 3; ++a) {
       shift_[a] = set(leaf.shift[a]);
       u_[a] = set(leaf.u[a]);
@@ -121,15 +116,13 @@ class LeafFrame {
   }
 
   /** A direction in the block's axes, turned into the frame. */
-  HWY_INLINE Local turn(Vec x, Vec y, Vec z) const
-  {
+  HWY_INLINE Local turn(Vec x, Vec y, Vec z) const {
     return {dot3(x, y, z, u_[0], u_[1], u_[2]), dot3(x, y, z, v_[0], v_[1], v_[2]),
             dot3(x, y, z, w_[0], w_[1], w_[2])};
   }
 
   /** Points i, i + 1, ... of a block. */
-  HWY_INLINE Local place(const BlockPoints& points, std::size_t i) const
-  {
+  HWY_INLINE Local place(const BlockPoints& points, std::size_t i) const {
     const Tag d;
     const float* const column[3] = {points.x, points.y, points.z};
     Vec p[3];
@@ -140,8 +133,7 @@ class LeafFrame {
   }
 
   /** Coordinate a of a frame vector in the block's axes. */
-  HWY_INLINE Vec back(int a, const Local& p) const
-  {
+  HWY_INLINE Vec back(int a, const Local& p) const {
     return dot3(u_[a], v_[a], w_[a], p.u, p.v, p.w);
   }
 
@@ -153,26 +145,20 @@ class LeafFrame {
 };
 
 /** grad f of a leaf, f = w - h(u, v), from the slopes of its polynomial. */
-HWY_INLINE Local
-gradientOf(Vec hu, Vec hv)
-{
+HWY_INLINE Local gradientOf(Vec hu, Vec hv) {
   return {Neg(hu), Neg(hv), set(1.0f)};
 }
 
 /** Adds the lanes of mask; 0 to the others, whatever value is there. */
-HWY_INLINE void
-addTo(float* target, Mask mask, Vec value)
-{
+HWY_INLINE void addTo(float* target, Mask mask, Vec value) {
   const Tag d;
   Store(Load(d, target) + IfThenElseZero(mask, value), d, target);
 }
 
 /** Adds scale times the Hessian H = huu u u^T + huv (u v^T + v u^T) + hvv v v^T. */
 template <int D>
-HWY_INLINE void
-addHessian(const LeafFrame& frame, const HeightJets<D>& jets, const Local& q, Mask near, Vec scale,
-           std::size_t i, BlockSums& sums)
-{
+HWY_INLINE void addHessian(const LeafFrame& frame, const HeightJets<D>& jets, const Local& q,
+                           Mask near, Vec scale, std::size_t i, BlockSums& sums) {
   Vec huu, huv, hvv;
   jets.second(q.u, q.v, huu, huv, hvv);
   for (int a = 0; a < 3; ++a) {
@@ -186,10 +172,8 @@ addHessian(const LeafFrame& frame, const HeightJets<D>& jets, const Local& q, Ma
 }
 
 /** Adds scale times the third derivatives, turned from the frame's axes to the block's. */
-HWY_INLINE void
-addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale, std::size_t i,
-         BlockSums& sums)
-{
+HWY_INLINE void addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale,
+                         std::size_t i, BlockSums& sums) {
   for (int a = 0, k = 0; a < 3; ++a) {
     for (int b = a; b < 3; ++b) {
       const Vec uu = frame.axisU(a) * frame.axisU(b);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points onto the surface: equations (6) to (8), with the guards of theory.md, "Projection"; and curvatures
-// from a blended gradient and Hessian: theory.md, "Curvature", equation (8), left.
+// Points onto the surface: equations (6) to (8), with the guards of theory.md, "Projection"; and
+// curvatures from a blended gradient and Hessian: theory.md, "Curvature", equation (8), left.
 #include "projection/projection.h"
 
 #include <algorithm>
@@ -16,15 +16,11 @@ namespace pcl_slim::detail {
 namespace {
 
 /** a^T H b. */
-double
-form(const Vector3& a, const Symmetric3<double>& h, const Vector3& b)
-{
+double form(const Vector3& a, const Symmetric3<double>& h, const Vector3& b) {
   return dot(a, multiplied(h, b));
 }
 
-std::array<float, 3>
-turned(const LocalFrame& frame, double cosine, double sine)
-{
+std::array<float, 3> turned(const LocalFrame& frame, double cosine, double sine) {
   std::array<float, 3> direction;
   for (std::size_t a = 0; a < 3; ++a) {
     direction[a] = static_cast<float>(cosine * frame.u[a] + sine * frame.v[a]);
@@ -33,9 +29,7 @@ turned(const LocalFrame& frame, double cosine, double sine)
 }
 
 /** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
-std::pair<double, double>
-halfAngle(double x, double y, double length)
-{
+std::pair<double, double> halfAngle(double x, double y, double length) {
   double c = length + x, s = y;
   if (x < 0) c = std::abs(y), s = std::copysign(length - x, y);
   const double norm = std::sqrt(c * c + s * s);
@@ -44,9 +38,7 @@ halfAngle(double x, double y, double length)
 
 }  // namespace
 
-std::array<float, 2>
-meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h)
-{
+std::array<float, 2> meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h) {
   const double ghg = form(g, h, g);
   const double length_sq = length * length;
   const double mean = (h[kXX] + h[kYY] + h[kZZ] - ghg / length_sq) / (2 * length);
@@ -60,9 +52,7 @@ meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h)
   return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
 }
 
-PrincipalFrame
-principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h)
-{
+PrincipalFrame principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h) {
   // The shape operator is the Hessian over |g|, restricted to the tangent plane: two by two.
   const LocalFrame frame({g[0] / length, g[1] / length, g[2] / length});
   const double uu = form(frame.u, h, frame.u) / length;
@@ -79,10 +69,8 @@ principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h
   return principal;
 }
 
-void
-setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, const double third[10],
-               PrincipalFrame& principal)
-{
+void setExtremality(const Vector3& g, double length, const Symmetric3<double>& h,
+                    const double third[10], PrincipalFrame& principal) {
   const Vector3 n = {g[0] / length, g[1] / length, g[2] / length};
   const auto derivative = [&](const std::array<float, 3>& direction, double k) {
     const Vector3 t = {direction[0], direction[1], direction[2]};
@@ -115,8 +103,7 @@ struct BlockMeans {
   double offset[16], gradient[3][16], length[16];
   float unit[3][16];
 
-  explicit BlockMeans(const BlockSums& sums)
-  {
+  explicit BlockMeans(const BlockSums& sums) {
     constexpr int N = 16;
     double weight[N];
     for (int i = 0; i < N; ++i) {
@@ -147,20 +134,17 @@ struct Placement {
   double factor;
 
   Placement(const PointStore& store, const SLIMSurface& surface)
-      : factor(surface.info.scale / store.scale())
-  {
+      : factor(surface.info.scale / store.scale()) {
     for (std::size_t a = 0; a < 3; ++a) {
       shift[a] = (surface.info.origin[a] - store.origin()[a]) / store.scale();
     }
   }
 
-  std::array<double, 3> center(const SLIMSurface& surface, std::uint32_t i) const
-  {
+  std::array<double, 3> center(const SLIMSurface& surface, std::uint32_t i) const {
     return {shift[0] + factor * surface.cx[i], shift[1] + factor * surface.cy[i],
             shift[2] + factor * surface.cz[i]};
   }
-  float radius(const SLIMSurface& surface, std::uint32_t i) const
-  {
+  float radius(const SLIMSurface& surface, std::uint32_t i) const {
     return static_cast<float>(factor * surface.radius[i]);
   }
 };
@@ -179,10 +163,8 @@ struct Slice {
   std::vector<std::uint32_t> at;  ///< of each block: its number of hits, then a place to write
 };
 
-void
-findBlocks(const PointStore& store, const SLIMSurface& surface,
-           const std::vector<std::uint32_t>& leaves, Slice& slice)
-{
+void findBlocks(const PointStore& store, const SLIMSurface& surface,
+                const std::vector<std::uint32_t>& leaves, Slice& slice) {
   const Placement placement(store, surface);
   for (std::size_t j = slice.first; j < slice.last; ++j) {
     const auto center = placement.center(surface, leaves[j]);
@@ -198,9 +180,7 @@ findBlocks(const PointStore& store, const SLIMSurface& surface,
 
 /** Turns the slices' counts into places: block by block, and within a block slice by slice, so that
  * its leaves ascend. \return where each block begins, and the end. */
-std::vector<std::uint32_t>
-placeSlices(std::size_t blocks, std::vector<Slice>& slices)
-{
+std::vector<std::uint32_t> placeSlices(std::size_t blocks, std::vector<Slice>& slices) {
   std::vector<std::uint32_t> begin(blocks + 1);
   std::uint32_t total = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -215,9 +195,7 @@ placeSlices(std::size_t blocks, std::vector<Slice>& slices)
   return begin;
 }
 
-void
-writeLeaves(Slice& slice, std::vector<std::uint32_t>& leaves)
-{
+void writeLeaves(Slice& slice, std::vector<std::uint32_t>& leaves) {
   for (std::size_t j = 0; j + 1 < slice.hit_begin.size(); ++j) {
     for (std::uint32_t h = slice.hit_begin[j]; h < slice.hit_begin[j + 1]; ++h) {
       leaves[slice.at[slice.hits[h]]++] = static_cast<std::uint32_t>(slice.first + j);
@@ -227,10 +205,8 @@ writeLeaves(Slice& slice, std::vector<std::uint32_t>& leaves)
 
 /** \brief Lists the leaves of all blocks. O(leaves log blocks), plus what is listed; the same for
  * any number of threads. */
-BlockLists
-listLeaves(const PointStore& store, const SLIMSurface& surface,
-           const std::vector<std::uint32_t>& leaves, int threads)
-{
+BlockLists listLeaves(const PointStore& store, const SLIMSurface& surface,
+                      const std::vector<std::uint32_t>& leaves, int threads) {
   // As many slices as threads: each finds its blocks, all are counted, then each writes its own.
   std::vector<Slice> slices(static_cast<std::size_t>(threads));
   for (std::size_t s = 0; s < slices.size(); ++s) {
@@ -258,7 +234,8 @@ class BlockProjector {
     std::vector<LeafHeights> heights;  ///< under its points
   };
 
-  /** \brief The arguments must outlive this object. \param[in] leaves those that BlockLists refer to. */
+  /** \brief The arguments must outlive this object. \param[in] leaves those that BlockLists refer
+   * to. */
   BlockProjector(const PointStore& store, const SLIMSurface& surface,
                  const std::vector<std::uint32_t>& leaves, const ProjectionParams& params,
                  int threads);
@@ -319,8 +296,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
       by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode),
-      sides_may_be_wrong_(by_normals_ && !store.hasNormals())
-{
+      sides_may_be_wrong_(by_normals_ && !store.hasNormals()) {
   rules_.kernel = surface.info.blend_kernel;
   rules_.oriented = surface.info.oriented;
   rules_.guarded = !params.paper_mode;
@@ -332,9 +308,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
               [&](std::size_t j, int) { placed_[j] = placed(leaves[j]); });
 }
 
-BlockProjector::PlacedLeaf
-BlockProjector::placed(std::uint32_t i) const
-{
+BlockProjector::PlacedLeaf BlockProjector::placed(std::uint32_t i) const {
   PlacedLeaf placed{{}, placement_.center(surface_, i)};
   BlockLeaf& leaf = placed.leaf;
   const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
@@ -356,9 +330,7 @@ BlockProjector::placed(std::uint32_t i) const
   return placed;
 }
 
-BlockLeaf
-BlockProjector::relativeTo(std::size_t block, const PlacedLeaf& placed) const
-{
+BlockLeaf BlockProjector::relativeTo(std::size_t block, const PlacedLeaf& placed) const {
   BlockLeaf leaf = placed.leaf;
   const double origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
                             store_.blockOriginZ()[block]};
@@ -368,9 +340,7 @@ BlockProjector::relativeTo(std::size_t block, const PlacedLeaf& placed) const
   return leaf;
 }
 
-BlockPoints
-BlockProjector::pointsOf(std::size_t block) const
-{
+BlockPoints BlockProjector::pointsOf(std::size_t block) const {
   const std::size_t first = block * PointStore::kBlock;
   BlockPoints points{store_.x() + first, store_.y() + first, store_.z() + first};
   if (by_normals_) {
@@ -382,10 +352,8 @@ BlockProjector::pointsOf(std::size_t block) const
   return points;
 }
 
-void
-BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
-                        Scratch& scratch, Projection& result) const
-{
+void BlockProjector::project(std::size_t block, const std::uint32_t* begin,
+                             const std::uint32_t* end, Scratch& scratch, Projection& result) const {
   scratch.near.clear();
   for (const std::uint32_t* at = begin; at != end; ++at) {
     scratch.near.push_back(relativeTo(block, placed_[*at]));
@@ -397,10 +365,8 @@ BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std
   blend(block, points, scratch, result);
 }
 
-bool
-BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch& scratch,
-                      Projection& result) const
-{
+bool BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch& scratch,
+                           Projection& result) const {
   BlockSums& sums = scratch.sums;
   for (auto& column : sums.direction) std::fill(column, column + PointStore::kBlock, 0.0f);
   std::fill(sums.weight, sums.weight + PointStore::kBlock, 0.0f);
@@ -425,10 +391,8 @@ BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch& scr
 }
 
 /** Writes what was blended for point i: its place along the ray (eq. 6) and the normal (eq. 7). */
-void
-BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
-                      const BlockMeans& means, Projection& result) const
-{
+void BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
+                           const BlockMeans& means, Projection& result) const {
   auto position = store_.position(i);
   if (sums.weight[lane] > 0 && means.length[lane] > BlockMeans::kLeastGradient) {
     for (int a = 0; a < 3; ++a) {
@@ -443,10 +407,8 @@ BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
 }
 
 /** The same for curvatures and their derivatives (eq. 8, left). */
-void
-BlockProjector::writeCurvature(std::size_t i, std::size_t lane, const BlockSums& sums,
-                               const BlockMeans& means, Projection& result) const
-{
+void BlockProjector::writeCurvature(std::size_t i, std::size_t lane, const BlockSums& sums,
+                                    const BlockMeans& means, Projection& result) const {
   const double weight = sums.weight[lane], length = means.length[lane];
   const Vector3 g = {means.gradient[0][lane], means.gradient[1][lane], means.gradient[2][lane]};
   Symmetric3<double> h;
@@ -460,9 +422,7 @@ BlockProjector::writeCurvature(std::size_t i, std::size_t lane, const BlockSums&
   }
 }
 
-void
-allocate(std::size_t points, const ProjectionParams& params, Projection& result)
-{
+void allocate(std::size_t points, const ProjectionParams& params, Projection& result) {
   result.position.resize(points);
   result.normal.assign(points, {0, 0, 0});
   result.supported.assign(points, 0);
@@ -474,10 +434,8 @@ allocate(std::size_t points, const ProjectionParams& params, Projection& result)
 
 }  // namespace
 
-Error
-projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
-              Projection& result, Progress* progress)
-{
+Error projectPoints(const PointStore& store, const SLIMSurface& surface,
+                    const ProjectionParams& params, Projection& result, Progress* progress) {
   result = Projection();
   const double factor = surface.info.scale / store.scale();
   if (!(factor > 1e-30 && factor < 1e30)) {

@@ -45,8 +45,8 @@ struct BlockSums {
   alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 };
 
-/** \brief One leaf under a block's points, in its own frame and units: what pass 1 keeps for pass 2 of the
- * points in its ball. */
+/** \brief One leaf under a block's points, in its own frame and units: what pass 1 keeps for pass 2
+ * of the points in its ball. */
 struct LeafHeights {
   alignas(64) float place[3][16];
   alignas(64) float height[3][16];  ///< of the polynomial, and its slopes
@@ -64,36 +64,30 @@ struct BlendRules {
 namespace kernels {
 
 /** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
-void
-addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums, LeafHeights& heights);
+void addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                   BlockSums& sums, LeafHeights& heights);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
-void
-finishDirections(BlockSums& sums);
+void finishDirections(BlockSums& sums);
 
 /** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend.
  * \param[in] heights as pass 1 left them. */
-void
-addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 const LeafHeights& heights, BlockSums& sums);
+void addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                      const LeafHeights& heights, BlockSums& sums);
 
 }  // namespace kernels
 
 /** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
  * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian.
  * Positive where the surface bends away from g. */
-std::array<float, 2>
-meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h);
+std::array<float, 2> meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h);
 
 /** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
-PrincipalFrame
-principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h);
+PrincipalFrame principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h);
 
 /** \brief Fills in dk/dt along each principal direction t: (T(t,t,t) - 3 k H(t,n)) / |g|.
  * \param[in] third third derivatives: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz. */
-void
-setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, const double third[10],
-               PrincipalFrame& principal);
+void setExtremality(const Vector3& g, double length, const Symmetric3<double>& h,
+                    const double third[10], PrincipalFrame& principal);
 
 }  // namespace pcl_slim::detail

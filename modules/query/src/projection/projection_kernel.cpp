@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sixteen points of one block against one leaf: the blends of the paper's equations (6) to (8).
 // Pass 1 gives each point its ray, along the blended normals; pass 2 meets the ray with the leaf
-// and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. theory.md, "Guards",
-// Projection, explains which roots count and how much.
+// and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. theory.md,
+// "Guards", Projection, explains which roots count and how much.
 #include "projection/projection.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -23,9 +23,7 @@ constexpr float kLeastSlope = 0.1f;  ///< of f along a unit ray: a grazing ray h
 constexpr float kNoStep = 1e9f;      ///< used as the slope of a grazing ray
 
 /** Lanes whose point has no normal, or one near the leaf's. */
-HWY_INLINE Mask
-sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
-{
+HWY_INLINE Mask sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i) {
   const Tag d;
   if (points.nx == nullptr) return Zero(d) == Zero(d);
   const Vec cosine = dot3(Load(d, points.nx + i), Load(d, points.ny + i), Load(d, points.nz + i),
@@ -33,38 +31,29 @@ sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
   return cosine > set(points.min_dot);
 }
 
-/** The sign, +1 or -1, that turns b to the side of a sum so far, from sum . b; +1 where the sum is 0. */
-HWY_INLINE Vec
-alignment(Vec sum_dot_b)
-{
+/** The sign, +1 or -1, that turns b to the side of a sum so far, from sum . b; +1 where the sum is
+ * 0. */
+HWY_INLINE Vec alignment(Vec sum_dot_b) {
   return IfThenElse(sum_dot_b < Zero(Tag()), set(-1.0f), set(1.0f));
 }
 
 /** The leaf's weight at squared distances from its centre, in the lanes of mask. */
-HWY_INLINE Vec
-weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
-{
+HWY_INLINE Vec weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq) {
   return IfThenElseZero(mask, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
 }
 
 /** Lanes whose points, at squared distances from the centre, are in the leaf's ball on its side. */
-HWY_INLINE Mask
-reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_sq)
-{
+HWY_INLINE Mask reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_sq) {
   return And(p_sq < set(1.0f), sameSide(points, leaf, i));
 }
 
-HWY_INLINE void
-keep(const Vec (&values)[3], float (&columns)[3][16], std::size_t i)
-{
+HWY_INLINE void keep(const Vec (&values)[3], float (&columns)[3][16], std::size_t i) {
   for (int a = 0; a < 3; ++a) Store(values[a], Tag(), columns[a] + i);
 }
 
 template <int D>
-void
-addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                BlockSums& sums, LeafHeights& heights)
-{
+void addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                     BlockSums& sums, LeafHeights& heights) {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
@@ -105,10 +94,9 @@ struct Crossing {
 
 /** Newton's steps from t = 0 on F(t) = f(p + t d): points are within noise of the leaf. */
 template <int D>
-HWY_INLINE Crossing
-crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights, std::size_t i,
-           const Local& ray, Mask near)
-{
+HWY_INLINE Crossing crossingOf(const HeightJets<D>& jets, const Local& p,
+                               const LeafHeights& heights, std::size_t i, const Local& ray,
+                               Mask near) {
   const Tag d;
   Vec t = Zero(d), u = p.u, v = p.v, w = p.w, slope;
   Vec h = Load(d, heights.height[0] + i), hu = Load(d, heights.height[1] + i),
@@ -128,13 +116,12 @@ crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights
   return {t, {u, v, w}, hu, hv, slope};
 }
 
-/** Adds a leaf's offset, gradient, Hessian and third derivatives (eqs. 6 to 8) with the weight g. */
+/** Adds a leaf's offset, gradient, Hessian and third derivatives (eqs. 6 to 8) with the weight g.
+ */
 template <int D>
-HWY_INLINE void
-addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jets,
-         const BlendRules& rules, const Crossing& root, Mask near, Vec g, std::size_t i,
-         BlockSums& sums)
-{
+HWY_INLINE void addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jets,
+                         const BlendRules& rules, const Crossing& root, Mask near, Vec g,
+                         std::size_t i, BlockSums& sums) {
   addTo(sums.weight + i, near, g);
   addTo(sums.offset + i, near, g * (root.t * set(leaf.radius)));
   if (!leaf.trim.closed()) {
@@ -155,10 +142,8 @@ addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jet
 }
 
 template <int D>
-void
-addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                   const LeafHeights& heights, BlockSums& sums)
-{
+void addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                        const LeafHeights& heights, BlockSums& sums) {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
@@ -186,18 +171,14 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
   }
 }
 
-void
-addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums, LeafHeights& heights)
-{
+void addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                   BlockSums& sums, LeafHeights& heights) {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
     addDirectionsOf<degree()>(points, leaf, rules, sums, heights);
   });
 }
 
-void
-finishDirections(BlockSums& sums)
-{
+void finishDirections(BlockSums& sums) {
   const Tag d;
   const Vec zero = Zero(d);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
@@ -220,10 +201,8 @@ finishDirections(BlockSums& sums)
   }
 }
 
-void
-addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 const LeafHeights& heights, BlockSums& sums)
-{
+void addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                      const LeafHeights& heights, BlockSums& sums) {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
     addIntersectionsOf<degree()>(points, leaf, rules, heights, sums);
   });
@@ -236,25 +215,19 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(addDirections);
-void
-addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums, LeafHeights& heights)
-{
+void addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                   BlockSums& sums, LeafHeights& heights) {
   HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums, heights);
 }
 
 HWY_EXPORT(finishDirections);
-void
-finishDirections(BlockSums& sums)
-{
+void finishDirections(BlockSums& sums) {
   HWY_DYNAMIC_DISPATCH(finishDirections)(sums);
 }
 
 HWY_EXPORT(addIntersections);
-void
-addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 const LeafHeights& heights, BlockSums& sums)
-{
+void addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                      const LeafHeights& heights, BlockSums& sums) {
   HWY_DYNAMIC_DISPATCH(addIntersections)(points, leaf, rules, heights, sums);
 }
 

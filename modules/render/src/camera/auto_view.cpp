@@ -21,8 +21,7 @@ struct CenterBox {
   std::array<double, 3> middle{};
   double diagonal = 0.0;
 
-  explicit CenterBox(const SplatSet& splats)
-  {
+  explicit CenterBox(const SplatSet& splats) {
     const std::vector<float>* const columns[3] = {&splats.x, &splats.y, &splats.z};
     double diagonal_sq = 0.0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -36,9 +35,7 @@ struct CenterBox {
 
 }  // namespace
 
-BoundingSpheres
-spheresOf(const SLIMSurface& surface)
-{
+BoundingSpheres spheresOf(const SLIMSurface& surface) {
   BoundingSpheres object;
   object.origin = surface.info.origin;
   object.scale = surface.info.scale;
@@ -59,9 +56,7 @@ spheresOf(const SLIMSurface& surface)
   return object;
 }
 
-BoundingSpheres
-spheresOf(const SplatSet& splats)
-{
+BoundingSpheres spheresOf(const SplatSet& splats) {
   BoundingSpheres object;
   object.origin = splats.origin;
   object.seen_radius = 0.5;
@@ -103,8 +98,8 @@ constexpr double kUpright = 1.05;  ///< least height of an upright object over i
 constexpr double kElongated = 1.3,
                  kSquare = 1.1;  ///< ratio of a map's deviations: turned in full, not
 
-/** \brief Spheres as weighted points: each weighs the scanned points behind it, which a surface and the
- * splats of one scan have in common. */
+/** \brief Spheres as weighted points: each weighs the scanned points behind it, which a surface and
+ * the splats of one scan have in common. */
 struct SphereCloud {
   std::vector<Vector3> centers, normals;
   std::vector<double> weights;
@@ -121,8 +116,7 @@ struct SphereCloud {
   double extent(std::size_t axis) const { return high[axis] - low[axis]; }
 };
 
-SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
-{
+SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres) {
   for (const BoundingSphere& sphere : spheres) {
     const auto &c = sphere.center, &n = sphere.normal;
     const double weight = sphere.points;
@@ -137,9 +131,7 @@ SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
   for (std::size_t axis = 0; axis < 3; ++axis) measureAxis(axis);
 }
 
-void
-SphereCloud::measureAxis(std::size_t axis)
-{
+void SphereCloud::measureAxis(std::size_t axis) {
   std::vector<std::size_t> order(centers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
@@ -165,9 +157,7 @@ SphereCloud::measureAxis(std::size_t axis)
   deviation[axis] = std::sqrt(std::max(0.0, sum_sq / weight - mean * mean));
 }
 
-double
-SphereCloud::baseShare(std::size_t axis) const
-{
+double SphereCloud::baseShare(std::size_t axis) const {
   constexpr double kFacing = 0.94, kNearEnd = 0.06;
   const double end = low[axis] + kNearEnd * extent(axis);
   double area = 0.0;
@@ -177,9 +167,7 @@ SphereCloud::baseShare(std::size_t axis) const
   return area / total;
 }
 
-Vector3
-middleOf(const SphereCloud& cloud)
-{
+Vector3 middleOf(const SphereCloud& cloud) {
   Vector3 middle{};
   for (std::size_t i = 0; i < cloud.centers.size(); ++i)
     middle = along(middle, cloud.weights[i] / cloud.total, cloud.centers[i]);
@@ -187,19 +175,16 @@ middleOf(const SphereCloud& cloud)
 }
 
 /** \brief An object's height over the ground that it touches, by the direction that is down. */
-double
-heightAbove(const SphereCloud& cloud, const Vector3& middle, const Vector3& down)
-{
+double heightAbove(const SphereCloud& cloud, const Vector3& middle, const Vector3& down) {
   double height = 0.0;
   for (const Vector3& c : cloud.centers) height = std::max(height, dot(down, c));
   return height - dot(down, middle);
 }
 
-/** \brief The direction at an angle from another in which an object's middle is lowest, of twelve ways
- * round, and its height. */
-std::pair<double, Vector3>
-lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& down, double degrees)
-{
+/** \brief The direction at an angle from another in which an object's middle is lowest, of twelve
+ * ways round, and its height. */
+std::pair<double, Vector3> lowestAround(const SphereCloud& cloud, const Vector3& middle,
+                                        const Vector3& down, double degrees) {
   constexpr int kWays = 12;
   const double tilt = degrees * M_PI / 180.0;
   const Vector3 any = std::abs(down[0]) < 0.6 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
@@ -216,11 +201,9 @@ lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& dow
   return lowest;
 }
 
-/** \brief How far the middle of an object must rise, over its height, for the object to tip: more than 0 if
- * it is in balance on the lower end of an axis, up to kTilt degrees off. O(spheres). */
-double
-standing(const SphereCloud& cloud, std::size_t axis)
-{
+/** \brief How far the middle of an object must rise, over its height, for the object to tip: more
+ * than 0 if it is in balance on the lower end of an axis, up to kTilt degrees off. O(spheres). */
+double standing(const SphereCloud& cloud, std::size_t axis) {
   const Vector3 middle = middleOf(cloud);
   Vector3 down{};
   down[axis] = -1.0;
@@ -230,20 +213,16 @@ standing(const SphereCloud& cloud, std::size_t axis)
   return lowestAround(cloud, middle, rest.second, kTip).first / rest.first - 1.0;
 }
 
-/** \brief Whether a closed object is in balance along an axis, higher than it is deep, but would fall over along
- * the other one. */
-bool
-standsAlong(const SphereCloud& cloud, std::size_t axis, std::size_t other)
-{
+/** \brief Whether a closed object is in balance along an axis, higher than it is deep, but would
+ * fall over along the other one. */
+bool standsAlong(const SphereCloud& cloud, std::size_t axis, std::size_t other) {
   const double least = std::min({cloud.extent(0), cloud.extent(1), cloud.extent(2)});
   return length(cloud.mean_normal) < kClosed && cloud.extent(axis) > kUpright * least &&
          standing(cloud, axis) > kStands && standing(cloud, other) < 0.5 * kStands;
 }
 
 /** \brief Flux of the normals about the middle over its bound: -1 for the inside of a sphere. */
-double
-fluxOutwards(const SphereCloud& cloud)
-{
+double fluxOutwards(const SphereCloud& cloud) {
   const Vector3 middle = middleOf(cloud);
   double flux = 0.0, bound = 0.0;
   for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
@@ -255,25 +234,19 @@ fluxOutwards(const SphereCloud& cloud)
 }
 
 /** \brief A closed object whose normals face its inside. */
-bool
-facesInside(const SphereCloud& cloud)
-{
+bool facesInside(const SphereCloud& cloud) {
   return !cloud.empty() && length(cloud.mean_normal) < kClosed && fluxOutwards(cloud) < -kInside;
 }
 
 /** \brief True when all extents but the one along axis are at least four times as long. */
-bool
-isFlatAlong(const SphereCloud& cloud, std::size_t axis)
-{
+bool isFlatAlong(const SphereCloud& cloud, std::size_t axis) {
   const double across = std::min(cloud.deviation[(axis + 1) % 3], cloud.deviation[(axis + 2) % 3]);
   return cloud.deviation[axis] < 0.25 * across;
 }
 
 /** \brief True when the world's origin sees the cloud as a depth camera would: in front along z,
  * at ranges a camera has, in a cone of ordinary width that the cloud fills around the axis. */
-bool
-seenByDepthCamera(const SphereCloud& cloud, const BoundingSpheres& object)
-{
+bool seenByDepthCamera(const SphereCloud& cloud, const BoundingSpheres& object) {
   const Vector3 origin = scaled(object.origin, 1.0 / object.scale);
   std::vector<double> slopes_x, slopes_y, depths;
   for (const Vector3& c : cloud.centers) {
@@ -296,18 +269,14 @@ seenByDepthCamera(const SphereCloud& cloud, const BoundingSpheres& object)
 }
 
 /** \brief Map coordinates: both horizontal ones far from 0, many times the cloud's size. */
-bool
-isGeoreferenced(const BoundingSpheres& object)
-{
+bool isGeoreferenced(const BoundingSpheres& object) {
   const double far = 100.0 * object.diagonal * object.scale;
   return std::abs(object.origin[0]) > far && std::abs(object.origin[1]) > far;
 }
 
 /** \brief Terrain with its objects: map coordinates, or a cloud that is flat along its upward
  * axis. */
-bool
-liesOnGround(const SphereCloud& cloud, const BoundingSpheres& object, std::size_t up)
-{
+bool liesOnGround(const SphereCloud& cloud, const BoundingSpheres& object, std::size_t up) {
   return isFlatAlong(cloud, up) || (up == 2 && isGeoreferenced(object));
 }
 
@@ -318,9 +287,7 @@ struct Upright {
 /** \brief Axes of a camera: x right, y down, z forward. */
 constexpr Upright kCameraUpright{{0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}, {1.0, 0.0, 0.0}};
 
-Upright
-uprightOf(UpAxis axis)
-{
+Upright uprightOf(UpAxis axis) {
   switch (axis) {
     case UpAxis::kX: return {{1.0, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}};
     case UpAxis::kY: return {{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}};
@@ -328,17 +295,13 @@ uprightOf(UpAxis axis)
   }
 }
 
-std::size_t
-indexOf(UpAxis axis)
-{
+std::size_t indexOf(UpAxis axis) {
   return axis == UpAxis::kX ? 0 : axis == UpAxis::kY ? 1 : 2;
 }
 
-/** \brief Azimuth in degrees from which horizontal extents look widest, in (-60, 120]; the less, the more
- * alike they are: a map about as long as wide is seen from the front. */
-double
-widestAzimuth(const SphereCloud& cloud, const Upright& frame)
-{
+/** \brief Azimuth in degrees from which horizontal extents look widest, in (-60, 120]; the less,
+ * the more alike they are: a map about as long as wide is seen from the front. */
+double widestAzimuth(const SphereCloud& cloud, const Upright& frame) {
   double rr = 0.0, ff = 0.0, rf = 0.0, mean_r = 0.0, mean_f = 0.0;
   for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
     const double w = cloud.weights[i] / cloud.total;
@@ -362,9 +325,7 @@ widestAzimuth(const SphereCloud& cloud, const Upright& frame)
   return azimuth * std::clamp((ratio - kSquare) / (kElongated - kSquare), 0.0, 1.0);
 }
 
-ViewDirection
-viewFrom(const Upright& frame, double azimuth, double elevation)
-{
+ViewDirection viewFrom(const Upright& frame, double azimuth, double elevation) {
   const double a = azimuth * M_PI / 180.0, e = elevation * M_PI / 180.0;
   const Vector3 level = along(scaled(frame.front, std::cos(a)), std::sin(a), frame.right);
   // The picture's upward direction is the derivative by elevation, which is never degenerate.
@@ -378,9 +339,7 @@ struct Stand {
   double azimuth = 0.0, elevation = 0.0;
 };
 
-UpAxis
-guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object)
-{
+UpAxis guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object) {
   if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(object)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
   if (facesInside(cloud))  // a room is lower than it is wide
@@ -397,9 +356,7 @@ guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object)
   return cloud.baseShare(1) > cloud.baseShare(2) + kBase ? UpAxis::kY : UpAxis::kZ;
 }
 
-Stand
-chooseStand(const BoundingSpheres& object, UpAxis up)
-{
+Stand chooseStand(const BoundingSpheres& object, UpAxis up) {
   const SphereCloud cloud(object.spheres);
   const bool is_auto = up == UpAxis::kAuto;
   if (cloud.empty()) return {uprightOf(up), kQuarterView, 18.0};
@@ -422,34 +379,24 @@ chooseStand(const BoundingSpheres& object, UpAxis up)
 
 }  // namespace
 
-ViewDirection
-viewFromAngles(UpAxis up, double azimuth, double elevation)
-{
+ViewDirection viewFromAngles(UpAxis up, double azimuth, double elevation) {
   return viewFrom(uprightOf(up), azimuth, elevation);
 }
 
-UpAxis
-guessUpAxis(const BoundingSpheres& object)
-{
+UpAxis guessUpAxis(const BoundingSpheres& object) {
   return guessUpAxis(SphereCloud(object.spheres), object);
 }
 
-ViewDirection
-chooseView(const BoundingSpheres& object, UpAxis up)
-{
+ViewDirection chooseView(const BoundingSpheres& object, UpAxis up) {
   const Stand stand = chooseStand(object, up);
   return viewFrom(stand.frame, stand.azimuth, stand.elevation);
 }
 
-bool
-isSeenFromInside(const BoundingSpheres& object)
-{
+bool isSeenFromInside(const BoundingSpheres& object) {
   return facesInside(SphereCloud(object.spheres));
 }
 
-std::array<double, 3>
-upwardsIn(const BoundingSpheres& object, UpAxis up)
-{
+std::array<double, 3> upwardsIn(const BoundingSpheres& object, UpAxis up) {
   return chooseStand(object, up).frame.up;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cameras that frame an object: its bulk without strays, perspective and parallel fits, and turns about an axis.
+// Cameras that frame an object: its bulk without strays, perspective and parallel fits, and turns
+// about an axis.
 #include "pcl_slim/render/camera.h"
 
 #include <algorithm>
@@ -27,18 +28,14 @@ constexpr double kSlack = 0.5;        ///< [extent of the bulk] added at either 
 
 using Interval = std::array<double, 2>;
 
-double
-pointsOf(const std::vector<BoundingSphere>& spheres)
-{
+double pointsOf(const std::vector<BoundingSphere>& spheres) {
   double points = 0.0;
   for (const BoundingSphere& sphere : spheres) points += sphere.points;
   return points;
 }
 
 /** \brief Per axis, the interval of centres that counts. */
-std::array<Interval, 3>
-framedExtent(const std::vector<BoundingSphere>& spheres)
-{
+std::array<Interval, 3> framedExtent(const std::vector<BoundingSphere>& spheres) {
   std::array<Interval, 3> extent;
   std::vector<std::pair<float, float>> values(spheres.size());  // coordinate, points
   const double rim = kRim * pointsOf(spheres);
@@ -57,9 +54,7 @@ framedExtent(const std::vector<BoundingSphere>& spheres)
   return extent;
 }
 
-std::vector<BoundingSphere>
-withinExtent(const std::vector<BoundingSphere>& spheres)
-{
+std::vector<BoundingSphere> withinExtent(const std::vector<BoundingSphere>& spheres) {
   std::vector<BoundingSphere> inside;
   const auto extent = framedExtent(spheres);
   std::copy_if(spheres.begin(), spheres.end(), std::back_inserter(inside), [&](const auto& sphere) {
@@ -77,8 +72,7 @@ class PieceGrid {
   explicit PieceGrid(const std::vector<BoundingSphere>& spheres);
 
   /** \brief Points of the piece that a sphere belongs to. */
-  double pointsAround(const BoundingSphere& sphere) const
-  {
+  double pointsAround(const BoundingSphere& sphere) const {
     return points_[piece_[indexOf(cellsOf(sphere, 0.0f)[0])]];
   }
 
@@ -87,8 +81,7 @@ class PieceGrid {
 
   /** \brief Lowest and highest cell that a share of a sphere's box touches. */
   std::array<Cell, 2> cellsOf(const BoundingSphere& sphere, float share) const;
-  static std::size_t indexOf(const Cell& c)
-  {
+  static std::size_t indexOf(const Cell& c) {
     return static_cast<std::size_t>((c[2] * kCells + c[1]) * kCells + c[0]);
   }
   template <typename Visit>
@@ -103,8 +96,7 @@ class PieceGrid {
 };
 
 PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
-    : piece_(std::size_t{kCells} * kCells * kCells, 0), points_(2, 0.0)
-{
+    : piece_(std::size_t{kCells} * kCells * kCells, 0), points_(2, 0.0) {
   setPlace(spheres);
   for (const BoundingSphere& sphere : spheres) {
     const auto [low, high] = cellsOf(sphere, 0.5f);
@@ -119,9 +111,7 @@ PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
 }
 
 /** \brief Places the grid over all centres. */
-void
-PieceGrid::setPlace(const std::vector<BoundingSphere>& spheres)
-{
+void PieceGrid::setPlace(const std::vector<BoundingSphere>& spheres) {
   float longest = 0.0f;
   for (std::size_t a = 0; a < 3; ++a) {
     float high = low_[a] = spheres.front().center[a];
@@ -134,9 +124,7 @@ PieceGrid::setPlace(const std::vector<BoundingSphere>& spheres)
   if (longest > 0.0f) cell_ = longest / (kCells - 1);
 }
 
-std::array<PieceGrid::Cell, 2>
-PieceGrid::cellsOf(const BoundingSphere& sphere, float share) const
-{
+std::array<PieceGrid::Cell, 2> PieceGrid::cellsOf(const BoundingSphere& sphere, float share) const {
   std::array<Cell, 2> cells{};
   for (std::size_t a = 0; a < 3; ++a) {
     const float center = sphere.center[a] - low_[a], reach = share * sphere.radius;
@@ -150,9 +138,7 @@ PieceGrid::cellsOf(const BoundingSphere& sphere, float share) const
 }
 
 template <typename Visit>
-void
-PieceGrid::forCells(const Cell& low, const Cell& high, const Visit& visit)
-{
+void PieceGrid::forCells(const Cell& low, const Cell& high, const Visit& visit) {
   for (int z = low[2]; z <= high[2]; ++z) {
     for (int y = low[1]; y <= high[1]; ++y) {
       for (int x = low[0]; x <= high[0]; ++x) visit(indexOf({x, y, z}));
@@ -161,9 +147,7 @@ PieceGrid::forCells(const Cell& low, const Cell& high, const Visit& visit)
 }
 
 /** \brief Numbers a cell and all that touch it, at corners as well. */
-void
-PieceGrid::fill(std::size_t start)
-{
+void PieceGrid::fill(std::size_t start) {
   const auto number = static_cast<std::uint32_t>(points_.size());
   points_.push_back(0.0);
   std::vector<std::size_t> open{start};
@@ -187,11 +171,10 @@ PieceGrid::fill(std::size_t start)
 
 /** \brief The spheres a view of the whole object has to show, without strays.
  *
- * Left out are centres beyond a whole extent past the 1st and 99th percentile, then pieces that have
- * less than 1 % of the area (by r^2) and are apart: by at least a 64th of the longest extent. O(n). */
-std::vector<BoundingSphere>
-bulkOf(const std::vector<BoundingSphere>& spheres)
-{
+ * Left out are centres beyond a whole extent past the 1st and 99th percentile, then pieces that
+ * have less than 1 % of the area (by r^2) and are apart: by at least a 64th of the longest extent.
+ * O(n). */
+std::vector<BoundingSphere> bulkOf(const std::vector<BoundingSphere>& spheres) {
   if (spheres.empty()) return {};
   std::vector<BoundingSphere> inside = withinExtent(spheres);
   if (inside.empty()) return inside;
@@ -212,8 +195,7 @@ struct Opening {
   double left, right, vertical;
 
   /** \brief A share of the whole, which is as wide as width to height; right_margin is left out. */
-  Opening(double half_height, const ImageSize& size, double margin, double right_margin)
-  {
+  Opening(double half_height, const ImageSize& size, double margin, double right_margin) {
     const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
     vertical = half_height * free;
     left = vertical * size.width / size.height;
@@ -229,8 +211,7 @@ struct FrustumFit {
 
   /** \param[in] reach share of each radius that is to be seen */
   FrustumFit(const std::vector<BoundingSphere>& spheres, double reach, const CameraAxes& axes,
-             const Opening& open)
-  {
+             const Opening& open) {
     const auto sloped = [reach](double slope) { return reach * std::sqrt(1.0 + slope * slope); };
     const double reach_left = sloped(open.left), reach_right = sloped(open.right),
                  reach_y = sloped(open.vertical);
@@ -248,16 +229,13 @@ struct FrustumFit {
 };
 
 /** \brief What a picture has to show. */
-std::vector<BoundingSphere>
-framedSpheres(const BoundingSpheres& object)
-{
+std::vector<BoundingSphere> framedSpheres(const BoundingSpheres& object) {
   return object.no_strays ? object.spheres : bulkOf(object.spheres);
 }
 
 /** \brief A camera that looks the right way from one world unit off the object's origin. */
-Camera
-startingCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size)
-{
+Camera startingCamera(const BoundingSpheres& object, const ViewDirection& direction,
+                      const ImageSize& size) {
   Camera camera;
   camera.size = size;
   camera.up = direction.up;
@@ -271,10 +249,8 @@ startingCamera(const BoundingSpheres& object, const ViewDirection& direction, co
 
 /** \brief Puts the camera at depth z (local), centred on what fit measured but for a shift to the
  * right. */
-void
-placeCamera(const BoundingSpheres& object, const CameraAxes& axes, const FrustumFit& fit, double z,
-            double shift, Camera& camera)
-{
+void placeCamera(const BoundingSpheres& object, const CameraAxes& axes, const FrustumFit& fit,
+                 double z, double shift, Camera& camera) {
   const double x = 0.5 * (fit.max_right - fit.max_left + shift),
                y = 0.5 * (fit.max_up - fit.max_down);
   const Vector3 eye = along(along(scaled(axes.right, x), y, axes.up), z, axes.forward);
@@ -284,9 +260,7 @@ placeCamera(const BoundingSpheres& object, const CameraAxes& axes, const Frustum
 
 }  // namespace
 
-Error
-Camera::validate() const
-{
+Error Camera::validate() const {
   const auto bad = [](const char* what) { return Error{ErrorCode::kBadArgument, what}; };
   if (size.width < 1 || size.height < 1 || size.width > kMaxSide || size.height > kMaxSide) {
     return bad("the picture's width and height must be 1 to 32768 pixels");
@@ -309,9 +283,7 @@ Camera::validate() const
   return {};
 }
 
-bool
-mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box)
-{
+bool mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box) {
   constexpr double kSlack = 2.0;  // pixels: frames of -aa are shifted
   const CameraAxes axes(camera);
   const bool perspective = camera.projection == Camera::Projection::kPerspective;
@@ -331,10 +303,8 @@ mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box)
   return *std::max_element(beyond, beyond + 5) < 8;
 }
 
-Camera
-fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
-          double fov, double margin, double right_margin)
-{
+Camera fitCamera(const BoundingSpheres& object, const ViewDirection& direction,
+                 const ImageSize& size, double fov, double margin, double right_margin) {
   Camera camera = startingCamera(object, direction, size);
   camera.fov = fov;
   const std::vector<BoundingSphere> framed = framedSpheres(object);
@@ -349,10 +319,8 @@ fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const I
   return camera;
 }
 
-Camera
-fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
-                      const ImageSize& size, double margin, double right_margin)
-{
+Camera fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
+                             const ImageSize& size, double margin, double right_margin) {
   Camera camera = startingCamera(object, direction, size);
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = object.scale;
@@ -380,21 +348,18 @@ constexpr int kSides = 32;  ///< spheres on a ring; between two a half percent o
 struct AxisFrame {
   Vector3 up, right, back;
 
-  explicit AxisFrame(const Vector3& axis) : up(normalized(axis))
-  {
+  explicit AxisFrame(const Vector3& axis) : up(normalized(axis)) {
     const Vector3 other = std::abs(up[0]) < 0.7 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
     right = normalized(cross(other, up));
     back = cross(up, right);
   }
 
   /** \brief Coordinates along right, back and up. */
-  Vector3 of(const std::array<float, 3>& c) const
-  {
+  Vector3 of(const std::array<float, 3>& c) const {
     const Vector3 at{c[0], c[1], c[2]};
     return {dot(at, right), dot(at, back), dot(at, up)};
   }
-  Vector3 point(const Vector3& c) const
-  {
+  Vector3 point(const Vector3& c) const {
     return along(along(scaled(right, c[0]), c[1], back), c[2], up);
   }
 };
@@ -403,8 +368,7 @@ struct AxisFrame {
 struct FrameBox {
   Vector3 low, high;
 
-  FrameBox(const std::vector<BoundingSphere>& spheres, const AxisFrame& frame)
-  {
+  FrameBox(const std::vector<BoundingSphere>& spheres, const AxisFrame& frame) {
     low = high = frame.of(spheres.front().center);
     for (const BoundingSphere& sphere : spheres) {
       const Vector3 c = frame.of(sphere.center);
@@ -425,10 +389,8 @@ struct Ring {
 };
 
 /** \brief Of each layer across the axis, the ring that reaches farthest out. */
-std::vector<Ring>
-outermostRings(const std::vector<BoundingSphere>& spheres, const AxisFrame& frame,
-               const FrameBox& box)
-{
+std::vector<Ring> outermostRings(const std::vector<BoundingSphere>& spheres, const AxisFrame& frame,
+                                 const FrameBox& box) {
   std::vector<Ring> rings(kLayers);
   const Vector3 middle = box.middle();
   const double extent = std::max(box.high[2] - box.low[2], std::numeric_limits<double>::min());
@@ -443,9 +405,7 @@ outermostRings(const std::vector<BoundingSphere>& spheres, const AxisFrame& fram
   return rings;
 }
 
-void
-appendRing(const Ring& ring, const AxisFrame& frame, std::vector<BoundingSphere>& spheres)
-{
+void appendRing(const Ring& ring, const AxisFrame& frame, std::vector<BoundingSphere>& spheres) {
   for (int k = 0; k < kSides; ++k) {
     const double angle = kFullCircle * k / kSides;
     const Vector3 outwards = frame.point({std::cos(angle), std::sin(angle), 0.0});
@@ -460,18 +420,14 @@ appendRing(const Ring& ring, const AxisFrame& frame, std::vector<BoundingSphere>
 }
 
 /** \brief v turned about a unit axis (Rodrigues). */
-Vector3
-turned(const Vector3& v, const Vector3& axis, double angle)
-{
+Vector3 turned(const Vector3& v, const Vector3& axis, double angle) {
   const Vector3 straight = scaled(axis, dot(axis, v) * (1.0 - std::cos(angle)));
   return along(along(straight, std::cos(angle), v), std::sin(angle), cross(axis, v));
 }
 
 }  // namespace
 
-BoundingSpheres
-sweptAbout(const BoundingSpheres& object, const std::array<double, 3>& axis)
-{
+BoundingSpheres sweptAbout(const BoundingSpheres& object, const std::array<double, 3>& axis) {
   const std::vector<BoundingSphere> bulk = bulkOf(object.spheres);
   BoundingSpheres swept = object;
   if (bulk.empty()) return swept;
@@ -486,10 +442,8 @@ sweptAbout(const BoundingSpheres& object, const std::array<double, 3>& axis)
   return swept;
 }
 
-Camera
-turnedCamera(const Camera& camera, const std::array<double, 3>& pivot,
-             const std::array<double, 3>& axis, int turn, int count)
-{
+Camera turnedCamera(const Camera& camera, const std::array<double, 3>& pivot,
+                    const std::array<double, 3>& axis, int turn, int count) {
   if (turn == 0) return camera;
   const double angle = kFullCircle * turn / count;
   const Vector3 unit = normalized(axis);

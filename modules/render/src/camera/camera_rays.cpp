@@ -14,9 +14,7 @@ namespace pcl_slim::detail {
 namespace {
 
 /** \brief floor() kept inside the range of pixel coordinates. */
-int
-pixelOf(double coordinate, int size)
-{
+int pixelOf(double coordinate, int size) {
   return static_cast<int>(std::floor(std::clamp(coordinate, -2.0, size + 2.0)));
 }
 
@@ -25,8 +23,7 @@ pixelOf(double coordinate, int size)
 FrameView::FrameView(const Camera& camera, const Vector3& origin, double scale)
     : perspective(camera.projection == Camera::Projection::kPerspective),
       width(camera.size.width),
-      height(camera.size.height)
-{
+      height(camera.size.height) {
   const CameraAxes axes(camera);
   for (std::size_t a = 0; a < 3; ++a) {
     const double position = (camera.position[a] - origin[a]) / scale;
@@ -43,8 +40,7 @@ FrameView::FrameView(const Camera& camera, const Vector3& origin, double scale)
   center_y = static_cast<float>(0.5 * (height - 1) - camera.pixel_offset[1]);
 }
 
-CameraAxes::CameraAxes(const Camera& camera)
-{
+CameraAxes::CameraAxes(const Camera& camera) {
   forward = normalized(subtract(camera.look_at, camera.position));
   right = normalized(cross(forward, camera.up));
   up = cross(right, forward);
@@ -55,8 +51,7 @@ CameraRays::CameraRays(const Camera& camera, const Vector3& origin, double scale
       eye_(scaled(subtract(camera.position, origin), 1.0 / scale)),
       perspective_(camera.projection == Camera::Projection::kPerspective),
       width_(camera.size.width),
-      height_(camera.size.height)
-{
+      height_(camera.size.height) {
   const double view_height =
       perspective_ ? 2.0 * std::tan(camera.fov * M_PI / 360.0) : camera.view_height / scale;
   pixel_ = view_height / height_;
@@ -64,46 +59,34 @@ CameraRays::CameraRays(const Camera& camera, const Vector3& origin, double scale
   center_y_ = 0.5 * (height_ - 1) - camera.pixel_offset[1];
 }
 
-Ray
-CameraRays::ray(int x, int y) const
-{
+Ray CameraRays::ray(int x, int y) const {
   const auto [px, py] = inPlane(x, y);
   const Vector3 offset = along(scaled(axes_.right, px), py, axes_.up);
   if (!perspective_) return {along(eye_, 1.0, offset), axes_.forward};
   return {eye_, normalized(along(axes_.forward, 1.0, offset))};
 }
 
-double
-CameraRays::pixelLength(const Vector3& point) const
-{
+double CameraRays::pixelLength(const Vector3& point) const {
   if (!perspective_) return pixel_;
   return pixel_ * std::max(0.0, dot(subtract(point, eye_), axes_.forward));
 }
 
-double
-CameraRays::nearestDepth(const Vector3& center, double radius) const
-{
+double CameraRays::nearestDepth(const Vector3& center, double radius) const {
   const Vector3 to_center = subtract(center, eye_);
   return (perspective_ ? length(to_center) : dot(to_center, axes_.forward)) - radius;
 }
 
-Vector3
-CameraRays::directionTo(const Vector3& point) const
-{
+Vector3 CameraRays::directionTo(const Vector3& point) const {
   return perspective_ ? normalized(subtract(point, eye_)) : axes_.forward;
 }
 
-double
-CameraRays::halfAngle(const Vector3& center, double radius) const
-{
+double CameraRays::halfAngle(const Vector3& center, double radius) const {
   if (!perspective_) return 0.0;
   const double distance = length(subtract(center, eye_));
   return distance > radius ? std::asin(radius / distance) : M_PI / 2.0;
 }
 
-std::array<double, 2>
-CameraRays::planeRange(double offset, double depth, double radius) const
-{
+std::array<double, 2> CameraRays::planeRange(double offset, double depth, double radius) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (!perspective_) return {offset - radius, offset + radius};
   const double distance = std::hypot(offset, depth);
@@ -114,9 +97,7 @@ CameraRays::planeRange(double offset, double depth, double radius) const
           angle + half >= M_PI / 2.0 ? kInfinity : std::tan(angle + half)};
 }
 
-PixelRect
-CameraRays::pixelsOfBall(const Vector3& center, double radius) const
-{
+PixelRect CameraRays::pixelsOfBall(const Vector3& center, double radius) const {
   const Vector3 p = subtract(center, eye_);
   const double depth = dot(p, axes_.forward);
   if (depth + radius <= 0.0) return {};
@@ -139,9 +120,7 @@ using namespace detail;
 
 namespace {
 
-bool
-reaches(const SLIMSurface& s, std::size_t i, const SlimBlock& block)
-{
+bool reaches(const SLIMSurface& s, std::size_t i, const SlimBlock& block) {
   const float center[3] = {s.cx[i], s.cy[i], s.cz[i]};
   bool meets = true;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -152,9 +131,7 @@ reaches(const SLIMSurface& s, std::size_t i, const SlimBlock& block)
 }
 
 /** Finest level that the surfels above a tile have in it; 0: none. */
-int
-finestLevel(const SLIMSurface& s, const SlimBlock& block)
-{
+int finestLevel(const SLIMSurface& s, const SlimBlock& block) {
   int finest = 0;
   for (std::size_t i = 0; i < s.size(); ++i) {
     const std::uint64_t key = mortonCode(s.cx[i], s.cy[i], s.cz[i]);
@@ -165,10 +142,8 @@ finestLevel(const SLIMSurface& s, const SlimBlock& block)
 
 }  // namespace
 
-std::vector<bool>
-blocksOfFrame(const SlimDirectory& directory, const SLIMSurface& coarse, const Camera& camera,
-              double lod)
-{
+std::vector<bool> blocksOfFrame(const SlimDirectory& directory, const SLIMSurface& coarse,
+                                const Camera& camera, double lod) {
   const DetailSizes sizes(coarse);
   const SurfaceInfo& info = directory.info;
   const CameraRays rays(camera, info.origin, info.scale);

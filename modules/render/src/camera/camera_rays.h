@@ -52,8 +52,7 @@ class CameraRays {
 
   /** \brief A pixel's coordinates along right and up, in the plane at depth 1 in front of a
    * perspective camera, and in any plane of another one; and a pixel's length there. */
-  std::array<double, 2> inPlane(int x, int y) const
-  {
+  std::array<double, 2> inPlane(int x, int y) const {
     return {(x - center_x_) * pixel_, (center_y_ - y) * pixel_};
   }
   double pixel() const { return pixel_; }

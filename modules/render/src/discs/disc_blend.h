@@ -40,8 +40,7 @@ struct DiscHit {
 };
 
 /** \brief Intersects a ray with a disc. \return false where it passes by. */
-bool
-intersect(const DiscView& view, const Ray& ray, const Disc& disc, DiscHit& hit);
+bool intersect(const DiscView& view, const Ray& ray, const Disc& disc, DiscHit& hit);
 
 /** \brief The first disc of a ray. */
 struct FirstDisc {
@@ -58,17 +57,15 @@ struct DiscSum {
  *
  * Depths of one surface differ by its thickness over the cosine of the view; the larger cosine of
  * the two keeps what is behind a wall seen along its side from counting as the wall. */
-bool
-countsBehind(const DiscView& view, const FirstDisc& first, const Disc& disc, double depth,
-             double cosine);
+bool countsBehind(const DiscView& view, const FirstDisc& first, const Disc& disc, double depth,
+                  double cosine);
 
 /** \brief Adds what a ray meets of disc i. */
-void
-addDisc(const DiscView& view, const DiscHit& hit, const Disc& disc, std::size_t i, DiscSum& sum);
+void addDisc(const DiscView& view, const DiscHit& hit, const Disc& disc, std::size_t i,
+             DiscSum& sum);
 
 /** \brief Divides the sums and writes them into a pixel of the buffer. */
-void
-writeDiscs(const DiscView& view, const Ray& ray, const FirstDisc& first, const DiscSum& sum,
-           std::size_t pixel, GBuffer& buffer);
+void writeDiscs(const DiscView& view, const Ray& ray, const FirstDisc& first, const DiscSum& sum,
+                std::size_t pixel, GBuffer& buffer);
 
 }  // namespace pcl_slim::detail

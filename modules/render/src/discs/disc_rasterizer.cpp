@@ -19,17 +19,13 @@ namespace {
 constexpr double kHalfDiagonal = 0.70710678118654752;  ///< of a pixel: such a disc covers a centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::array<double, 3>
-codedColor(std::uint32_t rgb)
-{
+std::array<double, 3> codedColor(std::uint32_t rgb) {
   return {static_cast<double>(rgb >> 16 & 255u), static_cast<double>(rgb >> 8 & 255u),
           static_cast<double>(rgb & 255u)};
 }
 
 /** \brief Colour of a disc at an offset from its centre, 0 ... 255. */
-std::array<double, 3>
-colorAt(const SplatSet& splats, std::size_t i, const Vector3& offset)
-{
+std::array<double, 3> colorAt(const SplatSet& splats, std::size_t i, const Vector3& offset) {
   std::array<double, 3> color = codedColor(splats.rgb[i]);
   if (splats.gradient.empty()) return color;
   const SplatSet::Gradient& g = splats.gradient[i];
@@ -50,13 +46,9 @@ Disc::Disc(const DiscView& view, std::size_t i)
       pixel(view.rays.pixelLength(center)),
       width(view.params.filtered ? std::max(radius, kHalfDiagonal * pixel) : radius),
       span(view.params.filtered ? width + pixel : radius),
-      reach(view.params.filtered ? span + pixel : radius)
-{
-}
+      reach(view.params.filtered ? span + pixel : radius) {}
 
-bool
-intersect(const DiscView& view, const Ray& ray, const Disc& disc, DiscHit& hit)
-{
+bool intersect(const DiscView& view, const Ray& ray, const Disc& disc, DiscHit& hit) {
   const Vector3 to_center = subtract(disc.center, ray.origin);
   const double facing = dot(disc.normal, ray.direction);
   const double middle = dot(to_center, ray.direction);
@@ -80,18 +72,15 @@ intersect(const DiscView& view, const Ray& ray, const Disc& disc, DiscHit& hit)
   return hit.distance_sq < 1.0 && hit.depth > view.params.near_plane;
 }
 
-bool
-countsBehind(const DiscView& view, const FirstDisc& first, const Disc& disc, double depth,
-             double cosine)
-{
+bool countsBehind(const DiscView& view, const FirstDisc& first, const Disc& disc, double depth,
+                  double cosine) {
   const double tolerance =
       view.params.depth_tolerance * (0.5 * (first.radius + disc.radius) + disc.pixel);
   return (depth - first.depth) * std::max(first.cosine, cosine) <= tolerance;
 }
 
-void
-addDisc(const DiscView& view, const DiscHit& hit, const Disc& disc, std::size_t i, DiscSum& sum)
-{
+void addDisc(const DiscView& view, const DiscHit& hit, const Disc& disc, std::size_t i,
+             DiscSum& sum) {
   const double falloff = 1.0 - hit.distance_sq, weight = falloff * falloff;
   const double side = view.front_only || hit.from_front ? weight : -weight;
   const std::array<double, 3> color = colorAt(view.splats, i, hit.offset);
@@ -103,10 +92,8 @@ addDisc(const DiscView& view, const DiscHit& hit, const Disc& disc, std::size_t 
   }
 }
 
-void
-writeDiscs(const DiscView& view, const Ray& ray, const FirstDisc& first, const DiscSum& sum,
-           std::size_t pixel, GBuffer& buffer)
-{
+void writeDiscs(const DiscView& view, const Ray& ray, const FirstDisc& first, const DiscSum& sum,
+                std::size_t pixel, GBuffer& buffer) {
   const double depth = sum.depth / sum.weight;
   const Vector3 position = along(ray.origin, depth, ray.direction);
   const Vector3 normal = normalized({sum.normal[0], sum.normal[1], sum.normal[2]});
@@ -148,8 +135,7 @@ class DiscTile {
   void resolve(const DiscFrame& frame, GBuffer& buffer, DiscRenderStatistics& statistics) const;
 
  private:
-  std::size_t index(int x, int y) const
-  {
+  std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y - y0_) * kTileSize + static_cast<std::size_t>(x - x0_);
   }
   template <typename Body>
@@ -163,16 +149,12 @@ class DiscTile {
   std::vector<DiscSum> sums_;
 };
 
-PixelRect
-DiscTile::clip(const PixelRect& rect) const
-{
+PixelRect DiscTile::clip(const PixelRect& rect) const {
   return {std::max(rect.x0, x0_), std::max(rect.y0, y0_), std::min(rect.x1, x0_ + width_ - 1),
           std::min(rect.y1, y0_ + height_ - 1)};
 }
 
-void
-DiscTile::begin(const DiscFrame& frame, const ImageSize& size, std::size_t t)
-{
+void DiscTile::begin(const DiscFrame& frame, const ImageSize& size, std::size_t t) {
   tile_ = t;
   x0_ = static_cast<int>(t) % frame.bins.columns * kTileSize;
   y0_ = static_cast<int>(t) / frame.bins.columns * kTileSize;
@@ -189,9 +171,7 @@ DiscTile::begin(const DiscFrame& frame, const ImageSize& size, std::size_t t)
 
 /** \brief Runs body(leaf, disc, pixel) for every disc of the tile and every pixel it may cover. */
 template <typename Body>
-void
-DiscTile::forEachPixel(const DiscFrame& frame, const Body& body) const
-{
+void DiscTile::forEachPixel(const DiscFrame& frame, const Body& body) const {
   for (std::uint64_t e = frame.bins.begin[tile_]; e < frame.bins.begin[tile_ + 1]; ++e) {
     const VisibleLeaf& leaf = frame.bins.leaves[frame.bins.entries[e]];
     const Disc disc(frame, leaf.surfel);
@@ -204,9 +184,7 @@ DiscTile::forEachPixel(const DiscFrame& frame, const Body& body) const
   }
 }
 
-void
-DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics)
-{
+void DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics) {
   forEachPixel(frame, [&](const VisibleLeaf& leaf, const Disc& disc, std::size_t pixel) {
     FirstDisc& first = first_[pixel];
     if (frame.params.skip && leaf.nearest > first.depth) return;
@@ -217,9 +195,7 @@ DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics)
   });
 }
 
-void
-DiscTile::blend(const DiscFrame& frame, DiscRenderStatistics& statistics)
-{
+void DiscTile::blend(const DiscFrame& frame, DiscRenderStatistics& statistics) {
   forEachPixel(frame, [&](const VisibleLeaf& leaf, const Disc& disc, std::size_t pixel) {
     const FirstDisc& first = first_[pixel];
     if (first.disc == GBuffer::kNothing) return;
@@ -234,9 +210,8 @@ DiscTile::blend(const DiscFrame& frame, DiscRenderStatistics& statistics)
   });
 }
 
-void
-DiscTile::resolve(const DiscFrame& frame, GBuffer& buffer, DiscRenderStatistics& statistics) const
-{
+void DiscTile::resolve(const DiscFrame& frame, GBuffer& buffer,
+                       DiscRenderStatistics& statistics) const {
   for (int y = y0_; y < y0_ + height_; ++y) {
     for (int x = x0_; x < x0_ + width_; ++x) {
       const std::size_t pixel = index(x, y);
@@ -249,9 +224,7 @@ DiscTile::resolve(const DiscFrame& frame, GBuffer& buffer, DiscRenderStatistics&
 
 enum class Visibility : std::uint8_t { kVisible, kOutside, kBackFacing };
 
-Visibility
-classify(const DiscFrame& frame, std::size_t i, VisibleLeaf& leaf)
-{
+Visibility classify(const DiscFrame& frame, std::size_t i, VisibleLeaf& leaf) {
   const Disc disc(frame, i);
   leaf.surfel = static_cast<std::uint32_t>(i);
   leaf.blend = frame.rays.pixelsOfBall(disc.center, disc.width);
@@ -265,10 +238,8 @@ classify(const DiscFrame& frame, std::size_t i, VisibleLeaf& leaf)
   return Visibility::kVisible;
 }
 
-SurfelBins
-binDiscs(const DiscFrame& frame, const ImageSize& size, int threads,
-         DiscRenderStatistics& statistics)
-{
+SurfelBins binDiscs(const DiscFrame& frame, const ImageSize& size, int threads,
+                    DiscRenderStatistics& statistics) {
   const std::size_t n = frame.splats.size();
   std::vector<VisibleLeaf> leaves(n), visible;
   std::vector<Visibility> visibility(n);
@@ -285,17 +256,13 @@ binDiscs(const DiscFrame& frame, const ImageSize& size, int threads,
   return bins;
 }
 
-Error
-bad(const std::string& message)
-{
+Error bad(const std::string& message) {
   return {ErrorCode::kBadArgument, message};
 }
 
 }  // namespace
 
-Error
-DiscRenderParams::validate() const
-{
+Error DiscRenderParams::validate() const {
   if (!(depth_tolerance >= 0.0 && depth_tolerance <= 100.0)) {
     return bad("the depth tolerance must be 0 to 100 radii");
   }
@@ -305,9 +272,7 @@ DiscRenderParams::validate() const
   return checkThreads(threads);
 }
 
-DiscRenderStatistics&
-DiscRenderStatistics::operator+=(const DiscRenderStatistics& other)
-{
+DiscRenderStatistics& DiscRenderStatistics::operator+=(const DiscRenderStatistics& other) {
   discs += other.discs;
   outside_frustum += other.outside_frustum;
   back_facing += other.back_facing;
@@ -319,9 +284,7 @@ DiscRenderStatistics::operator+=(const DiscRenderStatistics& other)
   return *this;
 }
 
-Error
-validateDiscs(const SplatSet& splats)
-{
+Error validateDiscs(const SplatSet& splats) {
   const std::size_t n = splats.size();
   const std::vector<float>* const columns[] = {&splats.x,  &splats.y,  &splats.z,     &splats.nx,
                                                &splats.ny, &splats.nz, &splats.radius};
@@ -349,10 +312,8 @@ validateDiscs(const SplatSet& splats)
   return {};
 }
 
-Error
-renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
-            GBuffer& buffer, DiscRenderStatistics* statistics)
-{
+Error renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
+                  GBuffer& buffer, DiscRenderStatistics* statistics) {
   buffer.resize(0, 0);
   if (Error error = camera.validate()) return error;
   if (Error error = params.validate()) return error;
@@ -378,9 +339,7 @@ renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams
   return {};
 }
 
-SplatSet
-splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts)
-{
+SplatSet splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts) {
   const auto lies = [&](std::size_t i) {
     const Vector3 center{splats.origin[0] + double{splats.x[i]},
                          splats.origin[1] + double{splats.y[i]},

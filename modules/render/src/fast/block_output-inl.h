@@ -18,9 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** Vectors of a block in world axes, from the camera's. */
-HWY_INLINE void
-toWorld(const FrameView& view, const Vec p[3], Vec world[3])
-{
+HWY_INLINE void toWorld(const FrameView& view, const Vec p[3], Vec world[3]) {
   for (int a = 0; a < 3; ++a) {
     world[a] = dot3(set(view.right[a]), set(view.up[a]), set(view.forward[a]), p[0], p[1], p[2]);
   }
@@ -30,8 +28,7 @@ toWorld(const FrameView& view, const Vec p[3], Vec world[3])
 struct LevelSetCurvatures {
   Vec mean, gaussian, k_max, k_min;
 
-  HWY_INLINE LevelSetCurvatures(const Vec g[3], const Vec h[6])
-  {
+  HWY_INLINE LevelSetCurvatures(const Vec g[3], const Vec h[6]) {
     const Vec half = set(0.5f), two = set(2.0f);
     const Vec xx = g[0] * g[0], yy = g[1] * g[1], zz = g[2] * g[2];
     const Vec xy = g[0] * g[1], xz = g[0] * g[2], yz = g[1] * g[2];
@@ -61,8 +58,7 @@ struct BlockRows {
 
   /** Calls row(lane, pixel, count) for each of the block's rows inside the picture. */
   template <typename Row>
-  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const
-  {
+  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const {
     const int count = std::min(kBlockWidth, tile.width - x);
     for (int r = 0; r < kBlockHeight && y + r < tile.height; ++r) {
       row(static_cast<std::size_t>(r * kBlockWidth), buffer.index(tile.x0 + x, tile.y0 + y + r),
@@ -79,14 +75,12 @@ struct PackedPixels {
   HWY_ALIGN float weight[16];
 
   PackedPixels(const TileBlocks& t, const UncoveredRay* r, std::size_t n, const BlockSums& sums)
-      : tile(t), rays(r), count(n)
-  {
+      : tile(t), rays(r), count(n) {
     store(sums.weight, weight);
   }
 
   template <typename Row>
-  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const
-  {
+  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const {
     for (std::size_t i = 0; i < count; ++i) {
       if (!(weight[i] > 0.0f)) continue;
       row(i,
@@ -106,15 +100,13 @@ struct BlockOutput {
   RenderStatistics& statistics;
 
   template <typename Row>
-  HWY_INLINE void forEachRow(const Row& row) const
-  {
+  HWY_INLINE void forEachRow(const Row& row) const {
     pixels.forEachRow(buffer, row);
   }
 
   /** Copies count pixels of some values each. */
   template <std::size_t Values, typename T>
-  static HWY_INLINE void copy(const T* from, std::size_t count, T* to)
-  {
+  static HWY_INLINE void copy(const T* from, std::size_t count, T* to) {
     constexpr std::size_t kWhole = kBlockWidth;
     if (HWY_LIKELY(count == kWhole))
       std::memcpy(to, from, kWhole * Values * sizeof(T));
@@ -122,31 +114,27 @@ struct BlockOutput {
       std::memcpy(to, from, count * Values * sizeof(T));
   }
 
-  HWY_INLINE void put(Vec v, std::vector<float>& column) const
-  {
+  HWY_INLINE void put(Vec v, std::vector<float>& column) const {
     HWY_ALIGN float values[16] = {};
     store(v, values);
     forEachRow([&](std::size_t lane, std::size_t pixel, std::size_t count)
                    HWY_ATTR { copy<1>(values + lane, count, column.data() + pixel); });
   }
 
-  HWY_INLINE void put(const Vec v[3], std::vector<std::array<float, 3>>& column) const
-  {
+  HWY_INLINE void put(const Vec v[3], std::vector<std::array<float, 3>>& column) const {
     HWY_ALIGN float values[48];
     storeInterleaved(v[0], v[1], v[2], values);
     forEachRow([&](std::size_t lane, std::size_t pixel, std::size_t count)
                    HWY_ATTR { copy<3>(values + 3 * lane, count, column.data()[pixel].data()); });
   }
 
-  void writeNothing() const
-  {
+  void writeNothing() const {
     forEachRow([&](std::size_t, std::size_t pixel, std::size_t count) {
       clearPixels(buffer, pixel, count);
     });
   }
 
-  void write(const Block& block, const BlockSums& sums) const
-  {
+  void write(const Block& block, const BlockSums& sums) const {
     const FrameView& view = scene.view;
     const Mask met = sums.weight > set(0.0f);
     const std::size_t covered = CountTrue(met);
@@ -177,8 +165,7 @@ struct BlockOutput {
   }
 
  private:
-  void writePositions(const Block& block, Vec z, Mask met) const
-  {
+  void writePositions(const Block& block, Vec z, Mask met) const {
     const bool perspective = scene.view.perspective;
     const Vec in_view[3] = {perspective ? block.slope_x * z : block.slope_x,
                             perspective ? block.slope_y * z : block.slope_y, z};
@@ -191,8 +178,7 @@ struct BlockOutput {
     put(position, buffer.position);
   }
 
-  void writeCurvature(const Vec g[3], const BlockSums& sums, Vec share, Mask met) const
-  {
+  void writeCurvature(const Vec g[3], const BlockSums& sums, Vec share, Mask met) const {
     Vec h[6];
     for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k] * share;
     if (!buffer.mean_curvature.empty()) {
@@ -210,8 +196,7 @@ struct BlockOutput {
     if (!buffer.hessian.empty()) writeHessian(h, met);
   }
 
-  void writeHessian(const Vec h[6], Mask met) const
-  {
+  void writeHessian(const Vec h[6], Mask met) const {
     // Columns of R H with R's rows the camera's axes, then R^T of those.
     const Vec columns[3][3] = {
         {h[kXX], h[kXY], h[kXZ]}, {h[kXY], h[kYY], h[kYZ]}, {h[kXZ], h[kYZ], h[kZZ]}};
@@ -231,8 +216,7 @@ struct BlockOutput {
     });
   }
 
-  void writeLeaves(const BlockSums& sums, Mask met) const
-  {
+  void writeLeaves(const BlockSums& sums, Mask met) const {
     HWY_ALIGN std::uint32_t surfel[16] = {};
     HWY_ALIGN std::uint32_t behind[16] = {};
     const UintVec nothing = setUint(GBuffer::kNothing);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What both passes over a block of pixels share; pass 1: the front-most q^, a ray a lane; and pass 2: the leaves
-// about q^ are blended. The guard toggles: Highway compiles
-// a kernel file once per instruction set.
+// What both passes over a block of pixels share; pass 1: the front-most q^, a ray a lane; and pass
+// 2: the leaves about q^ are blended. The guard toggles: Highway compiles a kernel file once per
+// instruction set.
 #if defined(PCL_SLIM_BLOCK_PASSES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_BLOCK_PASSES_INL
 #undef PCL_SLIM_BLOCK_PASSES_INL
@@ -29,8 +29,7 @@ struct BlockSums {
   Vec gradient[3], hessian[6], lean[3], leaves;
   UintVec surfel;
 
-  void clear()
-  {
+  void clear() {
     const Vec zero = set(0.0f);
     weight = shift = coverage = facing = best = outside = leaves = zero;
     for (auto& g : gradient) g = zero;
@@ -73,37 +72,28 @@ struct PassContext {
         front_only(s.rules.front_only),
         with_hessian((s.columns & (kHessianColumn | kCurvatureColumn)) != 0),
         with_near_plane(s.rules.near_plane > 0.0),
-        statistics(counts)
-  {
-  }
+        statistics(counts) {}
 };
 
-HWY_INLINE LeafRays
-raysOf(const TileLeaf& at, const Block& block)
-{
+HWY_INLINE LeafRays raysOf(const TileLeaf& at, const Block& block) {
   const FrameLeaf& leaf = *at.leaf;
   return {leaf, MulAdd(set(leaf.per_pixel), block.dx, set(at.x)),
           NegMulAdd(set(leaf.per_pixel), block.dy, set(at.y))};
 }
 
-HWY_INLINE Vec
-sigmaOf(const TileLeaf& at, Vec depth)
-{
+HWY_INLINE Vec sigmaOf(const TileLeaf& at, Vec depth) {
   return MulAdd(set(at.leaf->beta), depth, set(at.sigma));
 }
 
 /** A coordinate, in radii, along an axis of the leaf's plane of the points at sigma. */
-HWY_INLINE Vec
-inPlane(const LeafRays& rays, Vec sigma, Vec inverse_m, const float* axis, float along)
-{
+HWY_INLINE Vec inPlane(const LeafRays& rays, Vec sigma, Vec inverse_m, const float* axis,
+                       float along) {
   const Vec p = MulAdd(set(axis[0]), rays.x, MulAdd(set(axis[1]), rays.y, set(along) * sigma));
   return p * inverse_m;
 }
 
 /** The share outside, by an open leaf's trim map, of the points at sigma. */
-HWY_NOINLINE Vec
-outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m)
-{
+HWY_NOINLINE Vec outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m) {
   const FrameLeaf& leaf = rays.leaf;
   const Vec scale = set(leaf.trim_scale) * inverse_m;
   const Vec u = inPlane(rays, sigma, scale, leaf.u, leaf.uc);
@@ -113,18 +103,15 @@ outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m)
 }
 
 /** Those of some lanes in which the leaf's own trim map has data at sigma. */
-HWY_INLINE Mask
-haveData(const LeafRays& rays, Vec sigma, Mask some)
-{
+HWY_INLINE Mask haveData(const LeafRays& rays, Vec sigma, Mask some) {
   if (rays.leaf.trim.closed() || AllFalse(some)) return some;
   const Vec inverse_m = set(1.0f) / rays.scaleAt(sigma);
   return And(some, outsideOf(rays, sigma, inverse_m) <= set(0.5f));
 }
 
 /** Moves q^ to a nearer root where the leaf has data. \return lanes of nearer roots without data */
-HWY_INLINE Mask
-moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Block& block)
-{
+HWY_INLINE Mask moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma,
+                            Block& block) {
   const Vec depth = (sigma - set(at.sigma)) * set(at.leaf->inverse_beta);
   const Mask before = And(found, And(depth < block.first, depth >= block.nearest));
   const Mask moved = haveData(rays, sigma, before);
@@ -133,9 +120,7 @@ moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Blo
 }
 
 /** Pass 1 of a quadratic leaf: roots in closed form, then whether they are in the ball. */
-HWY_INLINE void
-firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
-{
+HWY_INLINE void firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block) {
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<2> f(at.leaf->form(), rays.x, rays.y);
   const QuadraticRoots roots(f, context.front_only);
@@ -147,12 +132,11 @@ firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
   if (!context.front_only) take(roots.rising);
 }
 
-/** Pass 1 of a cubic or quartic leaf in lanes where it may have several roots between low and high. */
+/** Pass 1 of a cubic or quartic leaf in lanes where it may have several roots between low and high.
+ */
 template <int D>
-HWY_NOINLINE void
-firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
-            RayPolynomials<D> f, Vec low, Vec high, Mask open, Block& block)
-{
+HWY_NOINLINE void firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
+                              RayPolynomials<D> f, Vec low, Vec high, Mask open, Block& block) {
   constexpr float kBeyond =
       1e-3f;  // step past a root without data, from which the search continues
   Vec step = low;
@@ -168,9 +152,7 @@ firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays
 
 /** Pass 1 of a cubic or quartic leaf. */
 template <int D>
-HWY_INLINE void
-firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
-{
+HWY_INLINE void firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block) {
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
   Vec low, high;
@@ -195,9 +177,8 @@ struct NearRoots {
   Mask found;
 };
 
-HWY_INLINE NearRoots
-nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, Mask live)
-{
+HWY_INLINE NearRoots nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec,
+                              Mask live) {
   const QuadraticRoots roots(f, context.front_only);
   live = And(live, roots.real);
   if (context.front_only) return {roots.falling, roots.slope, live};
@@ -208,12 +189,10 @@ nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, M
           IfThenElse(first, roots.slope, Neg(roots.slope)), live};
 }
 
-/** Lanes in which F, about q^, falls (or rises) all over the interval about q^ that reaches to a root
- * at t: no other root is as near. */
+/** Lanes in which F, about q^, falls (or rises) all over the interval about q^ that reaches to a
+ * root at t: no other root is as near. */
 template <int D>
-HWY_INLINE Mask
-isNearest(const RayPolynomials<D>& taylor, Vec t)
-{
+HWY_INLINE Mask isNearest(const RayPolynomials<D>& taylor, Vec t) {
   const Vec* a = taylor.a;
   const Vec reach = Abs(t);
   Vec bend = set(3.0f) * Abs(a[3]);
@@ -222,13 +201,12 @@ isNearest(const RayPolynomials<D>& taylor, Vec t)
   return bend * reach < set(0.95f) * Abs(a[1]);
 }
 
-/** Finds the root nearest to q^ in the lanes of rest, where near has none or a root may be nearer than
- * near.sigma. \param[in] taylor F about q^ */
+/** Finds the root nearest to q^ in the lanes of rest, where near has none or a root may be nearer
+ * than near.sigma. \param[in] taylor F about q^ */
 template <int D>
-HWY_NOINLINE void
-isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> taylor, Vec hat,
-            Vec near_sigma, Mask rest, NearRoots& near)
-{
+HWY_NOINLINE void isolateNear(const PassContext& context, const LeafRays& rays,
+                              RayPolynomials<D> taylor, Vec hat, Vec near_sigma, Mask rest,
+                              NearRoots& near) {
   constexpr float kNearer = 0.999f;  // of the way to a known root
   Vec low, high;
   rest = And(rest, rays.chord(1.0f, low, high));
@@ -250,13 +228,11 @@ isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> 
   near.found = Or(near.found, nearer);
 }
 
-/** The root nearest to q^, by one step of Halley's and one of Newton's where these surely converge to it,
- * else by isolation. \param[in] taylor F about q^ */
+/** The root nearest to q^, by one step of Halley's and one of Newton's where these surely converge
+ * to it, else by isolation. \param[in] taylor F about q^ */
 template <int D>
-HWY_INLINE NearRoots
-nextRoot(const PassContext& context, const LeafRays& rays, const RayPolynomials<D>& taylor, Vec hat,
-         Vec near_sigma, Mask live)
-{
+HWY_INLINE NearRoots nextRoot(const PassContext& context, const LeafRays& rays,
+                              const RayPolynomials<D>& taylor, Vec hat, Vec near_sigma, Mask live) {
   constexpr float kShort = 4e-3f;  // the step after one so short is below 1e-5
   const Vec* a = taylor.a;
   const Vec under = NegMulAdd(a[0], a[2], a[1] * a[1]);
@@ -281,9 +257,8 @@ struct Crossing {
 
 /** Second derivatives of a cubic or quartic leaf at (u, v). */
 template <int D>
-HWY_INLINE void
-addHessian(const FrameLeaf& leaf, const float* bends, Vec weight, Vec u, Vec v, BlockSums& sums)
-{
+HWY_INLINE void addHessian(const FrameLeaf& leaf, const float* bends, Vec weight, Vec u, Vec v,
+                           BlockSums& sums) {
   constexpr int kSize = numCoefficients(D - 2);
   const Vec scale = weight * set(-leaf.inverse_radius);
   const Vec huu = scale * planeForm<D - 2>(bends, u, v);
@@ -300,12 +275,11 @@ addHessian(const FrameLeaf& leaf, const float* bends, Vec weight, Vec u, Vec v, 
   }
 }
 
-/** Derivatives of a quadratic f at a crossing: those in x and y are dF / dX and dF / dY over m, that
- * along the ray (x, y, 1) is dF / d sigma, as f = 0 and d sigma / dz is m^2 / r. */
-HWY_INLINE void
-addQuadraticDerivatives(const PassContext& context, const LeafRays& rays, const Block& block,
-                        const Crossing& at, Vec weight, BlockSums& sums)
-{
+/** Derivatives of a quadratic f at a crossing: those in x and y are dF / dX and dF / dY over m,
+ * that along the ray (x, y, 1) is dF / d sigma, as f = 0 and d sigma / dz is m^2 / r. */
+HWY_INLINE void addQuadraticDerivatives(const PassContext& context, const LeafRays& rays,
+                                        const Block& block, const Crossing& at, Vec weight,
+                                        BlockSums& sums) {
   const float* f = rays.leaf.form();
   const auto k = [&](int i) HWY_ATTR { return set(f[i]); };
   const Vec twice_x = rays.x + rays.x, twice_y = rays.y + rays.y;
@@ -324,10 +298,8 @@ addQuadraticDerivatives(const PassContext& context, const LeafRays& rays, const 
 }
 
 template <int D>
-HWY_INLINE void
-addDerivatives(const PassContext& context, const LeafRays& rays, const Block& block,
-               const Crossing& at, BlockSums& sums)
-{
+HWY_INLINE void addDerivatives(const PassContext& context, const LeafRays& rays, const Block& block,
+                               const Crossing& at, BlockSums& sums) {
   const FrameLeaf& leaf = rays.leaf;
   const Vec weight = context.front_only ? at.weight : at.weight * at.side;
   if constexpr (D == 2) {
@@ -346,10 +318,9 @@ addDerivatives(const PassContext& context, const LeafRays& rays, const Block& bl
   }
 }
 
-/** Adds where a leaf's crossing is from its centre: needed only where coverage is below its threshold. */
-HWY_INLINE void
-addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
-{
+/** Adds where a leaf's crossing is from its centre: needed only where coverage is below its
+ * threshold. */
+HWY_INLINE void addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums) {
   const FrameLeaf& leaf = rays.leaf;
   const Vec share = at.weight * at.inverse_m;
   const Vec px = MulAdd(set(leaf.xc), at.sigma, rays.x);
@@ -366,8 +337,7 @@ struct Hats {
   Vec sigma, inverse_m, inverse_m_sq;
   Vec distance_sq;  ///< from the centre, in radii
 
-  HWY_INLINE Hats(const TileLeaf& place, const LeafRays& rays, const Block& block)
-  {
+  HWY_INLINE Hats(const TileLeaf& place, const LeafRays& rays, const Block& block) {
     sigma = sigmaOf(place, block.first);
     inverse_m = block.z * set(place.leaf->inverse_depth);
     inverse_m_sq = inverse_m * inverse_m;
@@ -375,12 +345,11 @@ struct Hats {
   }
 };
 
-/** Where a leaf's own surface crosses each ray next to q^, if it passes q^ by less than kMaxShift. */
+/** Where a leaf's own surface crosses each ray next to q^, if it passes q^ by less than kMaxShift.
+ */
 template <int D>
-HWY_INLINE NearRoots
-crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats, Vec near_sigma,
-           Mask live)
-{
+HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats,
+                                Vec near_sigma, Mask live) {
   RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
   if constexpr (D == 2) {
     const Vec away = Abs(f.value(hats.sigma)) * hats.inverse_m_sq;
@@ -396,9 +365,8 @@ crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats, V
 
 /** Pass 2 of one leaf. */
 template <int D, bool WithLean>
-HWY_INLINE void
-blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block, BlockSums& sums)
-{
+HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
+                          BlockSums& sums) {
   const FrameLeaf& leaf = *place.leaf;
   const LeafRays rays = raysOf(place, block);
   const Hats hats(place, rays, block);
@@ -407,8 +375,8 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
   const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live);
-  // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0 would not
-  // keep out of the sums: q^ takes its place.
+  // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0
+  // would not keep out of the sums: q^ takes its place.
   const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);
   Mask counts = And(near.found, from_center_sq < set(context.blend_sq) * (m * m));
   if (context.with_near_plane) counts = And(counts, near.sigma >= near_sigma);

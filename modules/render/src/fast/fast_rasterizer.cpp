@@ -22,28 +22,23 @@ struct DepthScale {
   double tile, slant;  ///< slant: length of the ray's step to the next unit of z
 
   DepthScale(const FrameScene& scene, const Ray& ray, float tile_depth)
-      : perspective(scene.view.perspective), tile(tile_depth)
-  {
+      : perspective(scene.view.perspective), tile(tile_depth) {
     const auto& f = scene.view.forward;
     const auto& d = ray.direction;
     slant = 1.0 / (d[0] * f[0] + d[1] * f[1] + d[2] * f[2]);
   }
-  double along(double value) const
-  {
+  double along(double value) const {
     const double depth = value + tile;
     if (!perspective) return depth;
     return depth < 0.0 ? -slant / depth : std::numeric_limits<double>::infinity();
   }
-  float value(double depth) const
-  {
+  float value(double depth) const {
     return static_cast<float>((perspective ? -slant / depth : depth) - tile);
   }
 };
 
 /** \brief A vector or a symmetric matrix in the camera's axes. */
-void
-turn(const FrameView& view, const BlendSum& sum, std::size_t lane, NearLanes& lanes)
-{
+void turn(const FrameView& view, const BlendSum& sum, std::size_t lane, NearLanes& lanes) {
   const float* const axes[3] = {view.right, view.up, view.forward};
   const Symmetric3<double>& h = sum.hessian;
   const auto product = [&](int i, int j) {
@@ -64,9 +59,7 @@ turn(const FrameView& view, const BlendSum& sum, std::size_t lane, NearLanes& la
 
 }  // namespace
 
-void
-firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes)
-{
+void firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes) {
   const RaySurfel leaf(scene.surface, surfel);
   std::uint64_t evaluated = 0;
   for (std::size_t i = 0; i < lanes.count; ++i) {
@@ -80,9 +73,7 @@ firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes)
   }
 }
 
-void
-blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes)
-{
+void blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes) {
   const RaySurfel leaf(scene.surface, surfel);
   std::uint64_t evaluated = 0;
   for (std::size_t i = 0; i < lanes.count; ++i) {
@@ -105,16 +96,12 @@ blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes)
 
 namespace {
 
-double
-along(const HalfSpace& cut, const float axis[3])
-{
+double along(const HalfSpace& cut, const float axis[3]) {
   return cut.normal[0] * axis[0] + cut.normal[1] * axis[1] + cut.normal[2] * axis[2];
 }
 
 /** Half spaces of local coordinates as a view's rays meet them. */
-std::vector<FrameCut>
-frameCuts(const FrameView& view, const std::vector<HalfSpace>& cuts)
-{
+std::vector<FrameCut> frameCuts(const FrameView& view, const std::vector<HalfSpace>& cuts) {
   std::vector<FrameCut> frame;
   for (const HalfSpace& cut : cuts) {
     const double offset = cut.offset - along(cut, view.eye) - along(cut, view.eye_rest);
@@ -129,18 +116,14 @@ frameCuts(const FrameView& view, const std::vector<HalfSpace>& cuts)
 constexpr float kFarAway = -1e9f;  ///< pixels: left of every picture
 
 /** \brief Bits that order floats as their values do. */
-std::uint32_t
-orderedBits(float value)
-{
+std::uint32_t orderedBits(float value) {
   std::uint32_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
 /** \brief The tiles that contain pixels of a leaf's circle. */
-PlacedLeaf
-placeOf(const FrameLeaf& leaf, const FrameView& view)
-{
+PlacedLeaf placeOf(const FrameLeaf& leaf, const FrameView& view) {
   constexpr float kToTile = 1.0f / kTileSize;
   const auto tile = [](float pixel, int size) {
     const float inside = std::clamp(pixel, -1.0f, static_cast<float>(size));
@@ -156,9 +139,7 @@ placeOf(const FrameLeaf& leaf, const FrameView& view)
 }
 
 /** \brief Adds leaves left out to a frame's counts; internal surfels are not counted. */
-void
-countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& statistics)
-{
+void countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& statistics) {
   if (!are_leaves) return;
   const auto of = [&](Visibility v) { return hidden[static_cast<std::size_t>(v)]; };
   statistics.outside_frustum += of(Visibility::kOutside);
@@ -173,13 +154,9 @@ FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
     : surface_(surface),
       leaves_(surface, threads),
       trims_(surface),
-      stride_(leafStride(std::max(2, surface.info.degree)))
-{
-}
+      stride_(leafStride(std::max(2, surface.info.degree))) {}
 
-void
-FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view)
-{
+void FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view) {
   counts_[group] = static_cast<std::uint8_t>(count);
   const float scale = group < leaf_clusters_ ? leaf_shape_.scale : internal_shape_.scale;
   for (std::size_t k = 0; k < count; ++k) {
@@ -199,10 +176,9 @@ FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& vie
   }
 }
 
-void
-FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const VisibilityRules& rules,
-                             const BallShares& shares, RenderStatistics& statistics)
-{
+void FastRasterizer::setUpCluster(std::size_t n, const FrameView& view,
+                                  const VisibilityRules& rules, const BallShares& shares,
+                                  RenderStatistics& statistics) {
   const bool are_leaves = n < leaf_clusters_;
   const LeafClusters& leaves = are_leaves ? leaves_ : *internal_;
   const LeafCluster& cluster = leaves.cluster(clusters_[n]);
@@ -230,10 +206,8 @@ FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const Visibil
   if (!are_leaves) statistics.coarse_surfels += count;
 }
 
-void
-FastRasterizer::findClusters(const FrameView& view, const VisibilityRules& rules, int threads,
-                             RenderStatistics& statistics)
-{
+void FastRasterizer::findClusters(const FrameView& view, const VisibilityRules& rules, int threads,
+                                  RenderStatistics& statistics) {
   clusters_.clear();
   std::uint64_t hidden[kVisibilities] = {};
   leaves_.findVisible(view, rules, clusters_, hidden);
@@ -246,10 +220,8 @@ FastRasterizer::findClusters(const FrameView& view, const VisibilityRules& rules
   internal_->findVisible(view, rules, clusters_, hidden);
 }
 
-void
-FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
-                      RenderStatistics& statistics)
-{
+void FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
+                           RenderStatistics& statistics) {
   const VisibilityRules visible{rules.front_only && rules.skip,
                                 DetailRule{static_cast<float>(rules.lod)}, rules.cuts};
   findClusters(view, visible, rules.threads, statistics);
@@ -267,9 +239,7 @@ FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const Ball
   for (const RenderStatistics& part : parts) statistics += part;
 }
 
-void
-FastRasterizer::sortByDepth(const FrameRules& rules)
-{
+void FastRasterizer::sortByDepth(const FrameRules& rules) {
   by_depth_.clear();
   for (std::size_t n = 0; n < counts_.size(); ++n) {
     for (std::size_t k = 0; k < counts_[n]; ++k) {
@@ -280,9 +250,7 @@ FastRasterizer::sortByDepth(const FrameRules& rules)
   sortByBits(by_depth_, 32, 64, rules.threads);
 }
 
-void
-FastRasterizer::bin(const FrameView& view)
-{
+void FastRasterizer::bin(const FrameView& view) {
   tiles_.columns = (view.width + kTileSize - 1) / kTileSize;
   tiles_.rows = (view.height + kTileSize - 1) / kTileSize;
   tiles_.begin.assign(tiles_.size() + 1, 0);
@@ -304,10 +272,8 @@ FastRasterizer::bin(const FrameView& view)
   forEachPair([&](std::size_t t, std::uint32_t place) { tiles_.entries[next[t]++] = place; });
 }
 
-void
-FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned columns,
-                     GBuffer& buffer, RenderStatistics& statistics)
-{
+void FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned columns,
+                          GBuffer& buffer, RenderStatistics& statistics) {
   const FrameView view(camera, surface_.info.origin, surface_.info.scale);
   const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
   const BallShares shares{

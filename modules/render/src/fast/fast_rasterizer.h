@@ -17,8 +17,9 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A half space as a view's rays meet it: points of depth value D on the ray through (x, y) of
- * the plane z = 1 (anywhere, if parallel) are in it where by_x x + by_y y + rest + gain D >= 0. */
+/** \brief A half space as a view's rays meet it: points of depth value D on the ray through (x, y)
+ * of the plane z = 1 (anywhere, if parallel) are in it where by_x x + by_y y + rest + gain D >= 0.
+ */
 struct FrameCut {
   double by_x, by_y, rest, gain;
 };
@@ -29,8 +30,7 @@ struct FrameTiles {
   std::vector<std::uint32_t> begin;    ///< tile t: entries[begin[t] ... begin[t + 1])
   std::vector<std::uint32_t> entries;  ///< places of records
 
-  std::size_t size() const
-  {
+  std::size_t size() const {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   }
 };
@@ -48,8 +48,7 @@ struct FrameScene {
   std::size_t stride;
   const FrameTiles& tiles;
 
-  const FrameLeaf& leaf(std::uint32_t place) const
-  {
+  const FrameLeaf& leaf(std::uint32_t place) const {
     return *reinterpret_cast<const FrameLeaf*>(records.data() + place * stride);
   }
 };
@@ -67,8 +66,7 @@ class LeafTable {
  public:
   static constexpr std::size_t kPadding = 16;
 
-  void reset(std::size_t rows, std::size_t capacity)
-  {
+  void reset(std::size_t rows, std::size_t capacity) {
     stride_ = (capacity + 2 * kPadding - 1) / kPadding * kPadding;
     count = 0;
     if (values_.size() < rows * stride_) values_.resize(rows * stride_);
@@ -116,12 +114,10 @@ struct NearLanes {
 
 /** \brief Pass 1 of a surfel so near to the camera, or around it, that its record contains no
  * polynomial: in double, ray by ray. */
-void
-firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes);
+void firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes);
 
 /** \brief Pass 2 of the same. */
-void
-blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes);
+void blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes);
 
 }  // namespace pcl_slim::detail
 
@@ -129,9 +125,8 @@ namespace pcl_slim::detail::kernels {
 
 /** \brief Draws tile t of a frame: both passes for each block of pixels, and writes every pixel of
  * the tile. Blocks are 4 pixels wide and as high as the vectors allow. */
-void
-drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
-         RenderStatistics& statistics);
+void drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
+              RenderStatistics& statistics);
 
 }  // namespace pcl_slim::detail::kernels
 
@@ -162,8 +157,7 @@ class FastRasterizer {
   void place(std::size_t group, std::size_t count, const FrameView& view);
   void sortByDepth(const FrameRules& rules);
   void bin(const FrameView& view);
-  FrameLeaf& record(std::size_t place)
-  {
+  FrameLeaf& record(std::size_t place) {
     return *reinterpret_cast<FrameLeaf*>(records_.data() + place * stride_);
   }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One leaf's polynomial along the rays of a block of pixels, a ray a lane, and its roots if it is a cubic or
-// quartic. The guard toggles: Highway compiles
-// a kernel file once per instruction set.
+// One leaf's polynomial along the rays of a block of pixels, a ray a lane, and its roots if it is a
+// cubic or quartic. The guard toggles: Highway compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_LEAF_RAYS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_LEAF_RAYS_INL
 #undef PCL_SLIM_LEAF_RAYS_INL
@@ -19,9 +18,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** A polynomial in X and Y of degree D, coefficients read as they are needed. */
 template <int D>
-HWY_INLINE Vec
-planeForm(const float* c, Vec x, Vec y)
-{
+HWY_INLINE Vec planeForm(const float* c, Vec x, Vec y) {
   if constexpr (D == 0) {
     return set(c[0]);
   } else if constexpr (D == 1) {
@@ -48,23 +45,20 @@ template <int D>
 struct RayPolynomials {
   Vec a[D + 1];
 
-  HWY_INLINE RayPolynomials(const float* form, Vec x, Vec y)
-  {
+  HWY_INLINE RayPolynomials(const float* form, Vec x, Vec y) {
     unrolled<D + 1>([&](auto i) HWY_ATTR {
       a[i()] = planeForm<D - i()>(form, x, y);
       form += numCoefficients(D - i());
     });
   }
 
-  HWY_INLINE Vec value(Vec t) const
-  {
+  HWY_INLINE Vec value(Vec t) const {
     Vec f = a[D];
     unrolled<D>([&](auto i) HWY_ATTR { f = MulAdd(f, t, a[D - 1 - i()]); });
     return f;
   }
 
-  HWY_INLINE Vec slope(Vec t) const
-  {
+  HWY_INLINE Vec slope(Vec t) const {
     Vec f = set(static_cast<float>(D)) * a[D];
     unrolled<D - 1>([&](auto i) HWY_ATTR {
       constexpr int kPower = D - 1 - i();
@@ -74,8 +68,7 @@ struct RayPolynomials {
   }
 
   /** Moves the origin to t. */
-  HWY_INLINE void shift(Vec t)
-  {
+  HWY_INLINE void shift(Vec t) {
     unrolled<D>([&](auto i) HWY_ATTR {
       unrolled<D - i()>([&](auto j) HWY_ATTR {
         constexpr int kAt = D - 1 - j();
@@ -93,20 +86,17 @@ struct LeafRays {
   /** m at sigma. */
   HWY_INLINE Vec scaleAt(Vec sigma) const { return NegMulAdd(set(leaf.eps), sigma, set(1.0f)); }
   /** Squared distance from the centre in radii, times m^2. */
-  HWY_INLINE Vec distanceSq(Vec sigma) const
-  {
+  HWY_INLINE Vec distanceSq(Vec sigma) const {
     const Vec px = MulAdd(set(leaf.xc), sigma, x), py = MulAdd(set(leaf.yc), sigma, y);
     return dot3(px, py, sigma, px, py, sigma);
   }
   /** Lanes whose point at sigma is in the ball of a share of the radius. */
-  HWY_INLINE Mask inBall(Vec sigma, float share_sq) const
-  {
+  HWY_INLINE Mask inBall(Vec sigma, float share_sq) const {
     const Vec m = scaleAt(sigma);
     return distanceSq(sigma) < set(share_sq) * (m * m);
   }
   /** Where rays enter and leave that ball. \return lanes that do. */
-  HWY_INLINE Mask chord(float share_sq, Vec& low, Vec& high) const
-  {
+  HWY_INLINE Mask chord(float share_sq, Vec& low, Vec& high) const {
     const float bend = share_sq * leaf.eps;
     const float square = 1.0f + leaf.xc * leaf.xc + leaf.yc * leaf.yc - bend * leaf.eps;
     const Vec half = MulAdd(set(leaf.xc), x, MulAdd(set(leaf.yc), y, set(bend)));
@@ -127,8 +117,7 @@ struct QuadraticRoots {
   Mask real;
 
   /** Without cancellation, and for any leading coefficient. */
-  HWY_INLINE explicit QuadraticRoots(const RayPolynomials<2>& f, bool front_only)
-  {
+  HWY_INLINE explicit QuadraticRoots(const RayPolynomials<2>& f, bool front_only) {
     const Vec *a = f.a, four = set(-4.0f), two = set(2.0f);
     const Vec under = MulAdd(four * a[2], a[0], a[1] * a[1]);
     real = under >= set(0.0f);
@@ -151,8 +140,7 @@ struct Stretch {
   Vec first, last;    ///< f at 0 and 1
   Mask falls, rises;  ///< f's Bernstein coefficients change sign downwards, upwards
 
-  HWY_INLINE Stretch(const RayPolynomials<D>& whole, Vec begin, Vec width) : f(whole)
-  {
+  HWY_INLINE Stretch(const RayPolynomials<D>& whole, Vec begin, Vec width) : f(whole) {
     static_assert(D == 3 || D == 4);
     f.shift(begin);
     Vec power = width;
@@ -189,14 +177,12 @@ struct Stretch {
   /** Lanes that may contain several roots. */
   HWY_INLINE Mask many() const { return And(falls, rises); }
   /** Lanes with exactly one root that counts; with front_only those at which f falls do. */
-  HWY_INLINE Mask one(bool front_only) const
-  {
+  HWY_INLINE Mask one(bool front_only) const {
     return front_only ? AndNot(rises, falls) : Xor(falls, rises);
   }
 
   /** The root in lanes with one, from 0 to 1: Newton's steps inside a bracket. */
-  HWY_INLINE Vec root(Mask wanted) const
-  {
+  HWY_INLINE Vec root(Mask wanted) const {
     const Vec sign = IfThenElse(rises, set(-1.0f), set(1.0f)), zero = set(0.0f);
     Vec left = zero, right = set(1.0f);
     const Vec span = first - last;
@@ -225,10 +211,8 @@ struct FoundRoots {
 
 /** Solves lanes one by one, in double: the root from 0 to length nearest to 0 that counts. */
 template <int D>
-HWY_NOINLINE void
-solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only, std::uint64_t& solved,
-              FoundRoots& roots)
-{
+HWY_NOINLINE void solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only,
+                                std::uint64_t& solved, FoundRoots& roots) {
   HWY_ALIGN float a[D + 1][16], lengths[16], at[16], found[16], wanted[16];
   for (int i = 0; i <= D; ++i) store(f.a[i], a[i]);
   store(length, lengths);
@@ -248,15 +232,13 @@ solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only, std::uint
   roots.found = load(found) > set(0.0f);
 }
 
-/** The first root of f from 0 to length that counts, lane by lane. A lane walks on where Descartes' rule
- * shows no root that counts in its stretch, by twice as much the next time, and halves it where there may be
- * several; the few that have not come to an end after kMost stretches, where roots all but coincide,
- * are solved in double. */
+/** The first root of f from 0 to length that counts, lane by lane. A lane walks on where Descartes'
+ * rule shows no root that counts in its stretch, by twice as much the next time, and halves it
+ * where there may be several; the few that have not come to an end after kMost stretches, where
+ * roots all but coincide, are solved in double. */
 template <int D>
-HWY_NOINLINE FoundRoots
-firstRootAlong(const RayPolynomials<D>& f, Vec length, bool front_only, Mask active,
-               std::uint64_t& solved)
-{
+HWY_NOINLINE FoundRoots firstRootAlong(const RayPolynomials<D>& f, Vec length, bool front_only,
+                                       Mask active, std::uint64_t& solved) {
   constexpr int kMost = 12;
   const Vec zero = set(0.0f);
   FoundRoots roots{zero, zero < zero, And(active, length > zero)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which leaves of a tile its blocks of pixels have to look at. The guard toggles: Highway compiles a
-// kernel file once per instruction set.
+// Which leaves of a tile its blocks of pixels have to look at. The guard toggles: Highway compiles
+// a kernel file once per instruction set.
 #if defined(PCL_SLIM_TILE_BLOCKS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_TILE_BLOCKS_INL
 #undef PCL_SLIM_TILE_BLOCKS_INL
@@ -63,8 +63,7 @@ struct Ball {
 class TileBlocks {
  public:
   TileBlocks(const FrameScene& scene, std::size_t t, TileScratch& scratch)
-      : scene_(scene), scratch_(scratch)
-  {
+      : scene_(scene), scratch_(scratch) {
     const auto columns = static_cast<std::size_t>(scene.tiles.columns);
     x0 = static_cast<int>(t % columns) * kTileSize;
     y0 = static_cast<int>(t / columns) * kTileSize;
@@ -75,8 +74,7 @@ class TileBlocks {
   }
 
   /** Lists the leaves of a patch. \return whether pass 1 may meet any */
-  bool beginPatch(int x, int y)
-  {
+  bool beginPatch(int x, int y) {
     const Tag d;
     const PixelBox box = boxAt(x, y, kPatchSize, kPatchSize);
     const LeafTable& all = scratch_.tile;
@@ -94,15 +92,13 @@ class TileBlocks {
 
   /** Lists the leaves of the patch whose surface pass 1 may meet in a box, from near to far.
    * \return how many */
-  std::size_t listFirst(const PixelBox& box)
-  {
+  std::size_t listFirst(const PixelBox& box) {
     const LeafTable& first = scratch_.first;
     return list(first, [&](std::size_t i) HWY_ATTR { return mayMeet(first, i, box); });
   }
 
   /** The same of those whose ball meets another. */
-  std::size_t listBlend(const Ball& ball)
-  {
+  std::size_t listBlend(const Ball& ball) {
     const LeafTable& blend = scratch_.blend;
     return list(blend, [&](std::size_t i) HWY_ATTR {
       const auto row = [&](std::size_t k) HWY_ATTR { return Load(Tag(), blend.row(k) + i); };
@@ -114,8 +110,7 @@ class TileBlocks {
   }
 
   /** The n-th leaf of the last list. */
-  HWY_INLINE const TileLeaf& listed(std::size_t n) const
-  {
+  HWY_INLINE const TileLeaf& listed(std::size_t n) const {
     std::uint32_t place;
     std::memcpy(&place, scratch_.list.row(kPlaceRow) + n, sizeof place);
     return scratch_.leaves[place];
@@ -125,8 +120,7 @@ class TileBlocks {
   std::vector<UncoveredRay>& uncovered() { return scratch_.uncovered; }
   std::vector<UncoveredRay>& packed() { return scratch_.packed; }
 
-  static PixelBox boxAt(int x, int y, int width, int height)
-  {
+  static PixelBox boxAt(int x, int y, int width, int height) {
     return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(width - 1),
             static_cast<float>(height - 1)};
   }
@@ -136,15 +130,13 @@ class TileBlocks {
 
  private:
   /** Lanes that are leaves. */
-  static HWY_INLINE Mask within(const LeafTable& table, std::size_t i)
-  {
+  static HWY_INLINE Mask within(const LeafTable& table, std::size_t i) {
     return FirstN(Tag(), std::min(table.count - i, hn::Lanes(Tag())));
   }
 
   /** Lanes whose circle, its rows from k on, touches a box. */
   static HWY_INLINE Mask touches(const LeafTable& table, std::size_t i, std::size_t k,
-                                 const PixelBox& box)
-  {
+                                 const PixelBox& box) {
     const Tag d;
     const auto gap = [&](std::size_t axis, float from, float extent) HWY_ATTR {
       const Vec behind = Load(d, table.row(k + axis) + i) - set(from);
@@ -155,8 +147,7 @@ class TileBlocks {
   }
 
   /** Lanes whose surface pass 1 may meet in a box. */
-  static HWY_INLINE Mask mayMeet(const LeafTable& table, std::size_t i, const PixelBox& box)
-  {
+  static HWY_INLINE Mask mayMeet(const LeafTable& table, std::size_t i, const PixelBox& box) {
     const Tag d;
     const auto row = [&](std::size_t k) HWY_ATTR { return Load(d, table.row(k) + i); };
     const float half_x = 0.5f * box.width, half_y = 0.5f * box.height;
@@ -169,8 +160,7 @@ class TileBlocks {
 
   /** Appends some lanes' rows from k on to a list. */
   static HWY_INLINE void take(const LeafTable& from, std::size_t i, std::size_t k, Mask taken,
-                              std::size_t rows, LeafTable& list)
-  {
+                              std::size_t rows, LeafTable& list) {
     const Tag d;
     const LanePacking packing(d, taken);
     for (std::size_t r = 0; r < rows; ++r) {
@@ -182,8 +172,7 @@ class TileBlocks {
 
   /** Lists the leaves of a table for which some(i) is true, i being the first lane. */
   template <typename Some>
-  HWY_INLINE std::size_t list(const LeafTable& from, const Some& some)
-  {
+  HWY_INLINE std::size_t list(const LeafTable& from, const Some& some) {
     LeafTable& list = scratch_.list;
     list.reset(1, from.count);
     for (std::size_t i = 0; i < from.count; i += hn::Lanes(Tag())) {
@@ -194,14 +183,12 @@ class TileBlocks {
   }
 
   /** Records are in no order: they are prefetched. */
-  HWY_INLINE void prefetch(std::uint32_t entry) const
-  {
+  HWY_INLINE void prefetch(std::uint32_t entry) const {
     const auto* record = reinterpret_cast<const char*>(&scene_.leaf(scene_.tiles.entries[entry]));
     for (std::size_t line = 0; line < scene_.stride; line += 64) hwy::Prefetch(record + line);
   }
 
-  void placeLeaves(std::size_t t)
-  {
+  void placeLeaves(std::size_t t) {
     const FrameTiles& tiles = scene_.tiles;
     const bool perspective = scene_.view.perspective;
     scratch_.leaves.clear();
@@ -225,8 +212,7 @@ class TileBlocks {
     }
   }
 
-  void fillTable()
-  {
+  void fillTable() {
     LeafTable& table = scratch_.tile;
     const std::size_t count = scratch_.leaves.size();
     table.reset(kTileRows, count);
@@ -257,8 +243,7 @@ class TileBlocks {
   }
 
   /** The ball of pass 2, and a little more against rounding. */
-  Ball ballOf(const FrameLeaf& leaf) const
-  {
+  Ball ballOf(const FrameLeaf& leaf) const {
     if (leaf.degree == kNearLeaf) return {0.0f, 0.0f, 0.0f, 1e18f};
     const FrameView& view = scene_.view;
     const float scale = view.pixel * (view.perspective ? leaf.depth : 1.0f);

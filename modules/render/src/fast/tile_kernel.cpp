@@ -7,8 +7,8 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "fast/block_passes-inl.h"
 #include "fast/block_output-inl.h"
+#include "fast/block_passes-inl.h"
 #include "fast/tile_blocks-inl.h"
 #include "tiles/tiles.h"
 
@@ -17,9 +17,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace lanes {
 
 /** Bounds a block's rays to their parts inside the frame's half spaces. */
-HWY_NOINLINE void
-cut(const PassContext& context, Block& block)
-{
+HWY_NOINLINE void cut(const PassContext& context, Block& block) {
   const double x = firstLane(block.slope_x), y = firstLane(block.slope_y);
   const Vec from_x = block.slope_x - set(firstLane(block.slope_x));
   const Vec from_y = block.slope_y - set(firstLane(block.slope_y));
@@ -43,9 +41,8 @@ cut(const PassContext& context, Block& block)
 }
 
 /** The rays of some pixels, counted from the tile's corner. */
-HWY_INLINE Block
-raysAt(const PassContext& context, const float* dx, const float* dy, const PixelBox& box)
-{
+HWY_INLINE Block raysAt(const PassContext& context, const float* dx, const float* dy,
+                        const PixelBox& box) {
   const FrameView& view = context.scene.view;
   const TileBlocks& tile = context.tile;
   Block block;
@@ -82,9 +79,7 @@ raysAt(const PassContext& context, const float* dx, const float* dy, const Pixel
 }
 
 /** The rays of a block whose upper left pixel is at (x, y) of a tile. */
-HWY_INLINE Block
-blockAt(const PassContext& context, int x, int y)
-{
+HWY_INLINE Block blockAt(const PassContext& context, int x, int y) {
   HWY_ALIGN float dx[16], dy[16];
   for (int i = 0; i < kLanes; ++i) {
     const int column = i % kBlockWidth, row = i / kBlockWidth;
@@ -95,9 +90,7 @@ blockAt(const PassContext& context, int x, int y)
 }
 
 /** Up to a block's number of rays that continue behind their hits. */
-HWY_NOINLINE Block
-packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count)
-{
+HWY_NOINLINE Block packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count) {
   HWY_ALIGN float dx[16], dy[16], nearest[16];
   float x0 = rays[0].x, x1 = x0, y0 = rays[0].y, y1 = y0;
   for (std::size_t i = 0; i < kLanes; ++i) {
@@ -117,9 +110,7 @@ packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count)
 }
 
 /** A ball around q^ of all pending lanes. */
-HWY_INLINE Ball
-ballAround(const PassContext& context, const Block& block)
-{
+HWY_INLINE Ball ballAround(const PassContext& context, const Block& block) {
   const FrameView& view = context.scene.view;
   const TileBlocks& tile = context.tile;
   const Vec z = view.perspective ? block.z : block.first + set(tile.depth);
@@ -139,9 +130,8 @@ ballAround(const PassContext& context, const Block& block)
 }
 
 /** Notes the rays of some lanes, which continue behind their q^. */
-HWY_NOINLINE void
-noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums, const Block& block)
-{
+HWY_NOINLINE void noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums,
+                                const Block& block) {
   const TileBlocks& tile = context.tile;
   HWY_ALIGN std::uint32_t surfel[16] = {};
   HWY_ALIGN float step[16], wanted[16], x[16], y[16], nearest[16];
@@ -166,9 +156,7 @@ noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums,
 }
 
 /** Lanes as a leaf too near for a record is drawn in double. */
-NearLanes
-nearLanes(const PassContext& context, const Block& block)
-{
+NearLanes nearLanes(const PassContext& context, const Block& block) {
   NearLanes lanes;
   store(block.dx + set(static_cast<float>(context.tile.x0)), lanes.x);
   store(block.dy + set(static_cast<float>(context.tile.y0)), lanes.y);
@@ -180,17 +168,14 @@ nearLanes(const PassContext& context, const Block& block)
   return lanes;
 }
 
-HWY_NOINLINE void
-firstOfNear(const PassContext& context, const FrameLeaf& leaf, Block& block)
-{
+HWY_NOINLINE void firstOfNear(const PassContext& context, const FrameLeaf& leaf, Block& block) {
   NearLanes lanes = nearLanes(context, block);
   firstOfNearLeaf(context.scene, leaf.surfel, lanes);
   block.first = load(lanes.first);
 }
 
-HWY_NOINLINE void
-blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block, BlockSums& sums)
-{
+HWY_NOINLINE void blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
+                            BlockSums& sums) {
   NearLanes lanes = nearLanes(context, block);
   blendNearLeaf(context.scene, leaf.surfel, lanes);
   const Vec weight = load(lanes.weight);
@@ -214,16 +199,12 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
 }
 
 /** Whether any lane may still meet, or has met, something at this depth or beyond. */
-HWY_INLINE bool
-reaches(const Block& block, float nearest)
-{
+HWY_INLINE bool reaches(const Block& block, float nearest) {
   return !AllFalse(And(block.pending, block.first >= set(nearest)));
 }
 
 /** Pass 1: the first intersection of each ray with a leaf inside its shrunk ball. */
-void
-findFirst(const PassContext& context, Block& block)
-{
+void findFirst(const PassContext& context, Block& block) {
   const bool skip = context.scene.rules.skip;
   const std::size_t count = context.tile.listFirst(block.box);
   std::size_t n = 0;
@@ -243,9 +224,7 @@ findFirst(const PassContext& context, Block& block)
 
 /** Pass 2: sums over the leaves whose ball contains q^. */
 template <bool WithLean>
-void
-gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums)
-{
+void gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums) {
   const std::size_t count = context.tile.listBlend(around);
   sums.clear();
   for (std::size_t n = 0; n < count; ++n) {
@@ -262,9 +241,7 @@ gather(const PassContext& context, const Ball& around, const Block& block, Block
 
 /** Lanes whose blend belongs to no surface: neither covered, nor in a gap between leaves all
  * around. */
-HWY_NOINLINE Mask
-unsupported(const PassContext& context, Block block, Mask doubtful)
-{
+HWY_NOINLINE Mask unsupported(const PassContext& context, Block block, Mask doubtful) {
   block.pending = doubtful;
   BlockSums sums;
   gather<true>(context, ballAround(context, block), block, sums);
@@ -276,9 +253,7 @@ unsupported(const PassContext& context, Block block, Mask doubtful)
 }
 
 /** z of q^, and lanes that have one alone. */
-HWY_INLINE void
-prepareBlend(const PassContext& context, Block& block)
-{
+HWY_INLINE void prepareBlend(const PassContext& context, Block& block) {
   const Mask met = And(block.pending, block.first < block.farthest);
   block.pending = met;
   block.first = IfThenElseZero(met, block.first);
@@ -288,9 +263,8 @@ prepareBlend(const PassContext& context, Block& block)
 }
 
 /** Lanes whose blend is not on the surface. */
-HWY_INLINE Mask
-uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& sums)
-{
+HWY_INLINE Mask uncoveredLanes(const PassContext& context, const Block& block,
+                               const BlockSums& sums) {
   const auto min_coverage = static_cast<float>(context.scene.rules.min_coverage);
   const Mask met = sums.weight > set(0.0f);
   const Mask outside = sums.outside > set(0.5f) * sums.weight;
@@ -301,9 +275,7 @@ uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& 
 
 /** Both passes over some rays; those whose hit is not on the surface are noted, and have no
  * weight. \return false: no ray meets anything */
-HWY_NOINLINE bool
-drawLayer(const PassContext& context, Block& block, BlockSums& sums)
-{
+HWY_NOINLINE bool drawLayer(const PassContext& context, Block& block, BlockSums& sums) {
   findFirst(context, block);
   prepareBlend(context, block);
   if (AllFalse(block.pending)) return false;
@@ -316,9 +288,7 @@ drawLayer(const PassContext& context, Block& block, BlockSums& sums)
 }
 
 /** Draws what rays meet first, and notes those that continue behind it. */
-void
-drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
-{
+void drawBlock(const PassContext& context, int x, int y, GBuffer& buffer) {
   const BlockOutput<BlockRows> output{
       context.scene, {context.tile, x, y}, buffer, context.statistics};
   Block block = blockAt(context, x, y);
@@ -329,9 +299,7 @@ drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
 
 /** Draws the pixels of a patch whose rays continue behind an uncovered hit. They are few
  * and isolated, so that they are packed into blocks of their own. */
-void
-drawBehind(const PassContext& context, GBuffer& buffer)
-{
+void drawBehind(const PassContext& context, GBuffer& buffer) {
   std::vector<UncoveredRay>& uncovered = context.tile.uncovered();
   std::vector<UncoveredRay>& left = context.tile.packed();
   for (int layer = 1; layer < kMaxLayers && !uncovered.empty(); ++layer) {
@@ -351,9 +319,7 @@ drawBehind(const PassContext& context, GBuffer& buffer)
   uncovered.clear();
 }
 
-void
-drawPatch(const PassContext& context, int px, int py, GBuffer& buffer)
-{
+void drawPatch(const PassContext& context, int px, int py, GBuffer& buffer) {
   const TileBlocks& tile = context.tile;
   for (int y = py; y < std::min(py + kPatchSize, tile.height); y += kBlockHeight) {
     for (int x = px; x < std::min(px + kPatchSize, tile.width); x += kBlockWidth) {
@@ -364,9 +330,7 @@ drawPatch(const PassContext& context, int px, int py, GBuffer& buffer)
 }
 
 /** Marks the pixels of a row of patches from x0 to before x1 as met by nothing. */
-void
-clearPatches(const TileBlocks& tile, int x0, int x1, int py, GBuffer& buffer)
-{
+void clearPatches(const TileBlocks& tile, int x0, int x1, int py, GBuffer& buffer) {
   x1 = std::min(x1, tile.width);
   for (int y = py; y < std::min(py + kPatchSize, tile.height) && x0 < x1; ++y) {
     clearPixels(buffer, buffer.index(tile.x0 + x0, tile.y0 + y), static_cast<std::size_t>(x1 - x0));
@@ -375,10 +339,8 @@ clearPatches(const TileBlocks& tile, int x0, int x1, int py, GBuffer& buffer)
 
 }  // namespace lanes
 
-void
-drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
-         RenderStatistics& statistics)
-{
+void drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
+              RenderStatistics& statistics) {
   TileBlocks tile(scene, t, scratch);
   const lanes::PassContext context(scene, tile, statistics);
   for (int py = 0; py < tile.height; py += kPatchSize) {
@@ -401,10 +363,8 @@ namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(drawTile);
 
-void
-drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
-         RenderStatistics& statistics)
-{
+void drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
+              RenderStatistics& statistics) {
   HWY_DYNAMIC_DISPATCH(drawTile)(scene, t, scratch, buffer, statistics);
 }
 

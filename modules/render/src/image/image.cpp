@@ -7,9 +7,7 @@
 namespace pcl_slim {
 namespace {
 
-Error
-checkComplete(const std::string& path, const Image& image)
-{
+Error checkComplete(const std::string& path, const Image& image) {
   const std::size_t expected =
       3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   if (image.width >= 1 && image.height >= 1 && image.rgb.size() == expected) return {};
@@ -17,9 +15,7 @@ checkComplete(const std::string& path, const Image& image)
 }
 
 /** \brief Writes a binary PPM file: a line of text, then the pixels as they are. */
-Error
-savePpm(const std::string& path, const Image& image)
-{
+Error savePpm(const std::string& path, const Image& image) {
   const std::string header =
       "P6\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n255\n";
   std::vector<std::uint8_t> bytes(header.begin(), header.end());
@@ -29,9 +25,7 @@ savePpm(const std::string& path, const Image& image)
 
 }  // namespace
 
-Error
-checkImageExtension(const std::string& path)
-{
+Error checkImageExtension(const std::string& path) {
   const std::string extension = lowerExtension(path);
   if (extension == ".ppm" || (extension == ".png" && detail::hasPng())) return {};
   if (extension == ".png") {
@@ -42,18 +36,14 @@ checkImageExtension(const std::string& path)
   return {ErrorCode::kBadArgument, "the picture '" + path + "' must be named .png or .ppm"};
 }
 
-Error
-saveImage(const std::string& path, const Image& image)
-{
+Error saveImage(const std::string& path, const Image& image) {
   if (Error error = checkImageExtension(path)) return error;
   if (lowerExtension(path) == ".png") return savePng(path, image);
   if (Error error = checkComplete(path, image)) return error;
   return savePpm(path, image);
 }
 
-Error
-savePng(const std::string& path, const Image& image)
-{
+Error savePng(const std::string& path, const Image& image) {
   if (Error error = checkComplete(path, image)) return error;
   const auto bytes = encodePng(image);
   if (!bytes) return {bytes.error().code, "cannot write '" + path + "': " + bytes.error().message};

@@ -12,17 +12,13 @@ namespace pcl_slim {
 
 namespace detail {
 
-bool
-hasPng()
-{
+bool hasPng() {
   return true;
 }
 
 }  // namespace detail
 
-Result<std::vector<std::uint8_t>>
-encodePng(const Image& image)
-{
+Result<std::vector<std::uint8_t>> encodePng(const Image& image) {
   png_image header;
   std::memset(&header, 0, sizeof(header));
   header.version = PNG_IMAGE_VERSION;
@@ -38,9 +34,7 @@ encodePng(const Image& image)
   return bytes;
 }
 
-Result<Image>
-loadPng(const std::string& path)
-{
+Result<Image> loadPng(const std::string& path) {
   png_image header;
   std::memset(&header, 0, sizeof(header));
   header.version = PNG_IMAGE_VERSION;

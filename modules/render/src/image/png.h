@@ -6,7 +6,6 @@
 namespace pcl_slim::detail {
 
 /** \brief Whether this build reads and writes PNG: true in png.cpp, false in png_none.cpp. */
-bool
-hasPng();
+bool hasPng();
 
 }  // namespace pcl_slim::detail

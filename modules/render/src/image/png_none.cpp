@@ -6,24 +6,18 @@ namespace pcl_slim {
 
 namespace detail {
 
-bool
-hasPng()
-{
+bool hasPng() {
   return false;
 }
 
 }  // namespace detail
 
-Result<std::vector<std::uint8_t>>
-encodePng(const Image&)
-{
+Result<std::vector<std::uint8_t>> encodePng(const Image&) {
   return Error{ErrorCode::kBadArgument,
                "this build has no PNG (PCL_SLIM_WITH_PNG); name a .ppm file"};
 }
 
-Result<Image>
-loadPng(const std::string& path)
-{
+Result<Image> loadPng(const std::string& path) {
   return Error{
       ErrorCode::kBadArgument,
       "cannot read '" + path + "': this build has no PNG (PCL_SLIM_WITH_PNG); use one that has"};

@@ -24,8 +24,7 @@ class LineView {
         camera_(camera),
         axes_(camera),
         scale_(surface.info.scale),
-        tolerance_(tolerance * surface.info.diagonal)
-  {
+        tolerance_(tolerance * surface.info.diagonal) {
     const bool perspective = camera.projection == Camera::Projection::kPerspective;
     const double height =
         perspective ? 2.0 * std::tan(camera.fov * M_PI / 360.0) : camera.view_height;
@@ -33,8 +32,7 @@ class LineView {
   }
 
   /** \return whether the point is seen; place is then where. */
-  bool see(const Vector3& point, std::array<float, 2>& place) const
-  {
+  bool see(const Vector3& point, std::array<float, 2>& place) const {
     const Vector3 to = subtract(point, camera_.position);
     const bool perspective = camera_.projection == Camera::Projection::kPerspective;
     const double ahead = dot(to, axes_.forward);
@@ -51,8 +49,7 @@ class LineView {
 
  private:
   /** The greatest depth about a pixel: a line on a contour is not hidden by its own surface. */
-  double depthAbout(int column, int row) const
-  {
+  double depthAbout(int column, int row) const {
     float depth = 0;
     for (int y = std::max(0, row - 1); y <= std::min(buffer_.height - 1, row + 1); ++y) {
       for (int x = std::max(0, column - 1); x <= std::min(buffer_.width - 1, column + 1); ++x)
@@ -67,9 +64,7 @@ class LineView {
   double scale_, tolerance_, pixel_ = 1;
 };
 
-void
-appendVisible(const SpaceLine& line, const LineView& view, std::vector<PictureLine>& seen)
-{
+void appendVisible(const SpaceLine& line, const LineView& view, std::vector<PictureLine>& seen) {
   PictureLine part;
   part.kind = line.kind;
   const auto finish = [&] {
@@ -90,10 +85,9 @@ appendVisible(const SpaceLine& line, const LineView& view, std::vector<PictureLi
 
 }  // namespace
 
-Result<std::vector<PictureLine>>
-projectLines(const std::vector<SpaceLine>& lines, const GBuffer& buffer, const Camera& camera,
-             const SLIMSurface& surface, double tolerance)
-{
+Result<std::vector<PictureLine>> projectLines(const std::vector<SpaceLine>& lines,
+                                              const GBuffer& buffer, const Camera& camera,
+                                              const SLIMSurface& surface, double tolerance) {
   if (Error error = camera.validate()) return error;
   if (buffer.width != camera.size.width || buffer.height != camera.size.height)
     return Error{ErrorCode::kBadArgument,
@@ -114,12 +108,9 @@ constexpr float kFull = 4.0f;      ///< strength from which lines have their who
 class LineMask {
  public:
   LineMask(int width, int height)
-      : width_(width), height_(height), cover_(static_cast<std::size_t>(width) * height, 0.0f)
-  {
-  }
+      : width_(width), height_(height), cover_(static_cast<std::size_t>(width) * height, 0.0f) {}
 
-  void draw(const PictureLine& line, float width)
-  {
+  void draw(const PictureLine& line, float width) {
     const std::size_t n = line.points.size();
     for (std::size_t i = 0; i + 1 < n + (line.closed ? 1 : 0); ++i) {
       const std::size_t j = (i + 1) % n;
@@ -134,13 +125,11 @@ class LineMask {
  private:
   using Place = std::array<float, 2>;
 
-  static int clamped(float value, int last)
-  {
+  static int clamped(float value, int last) {
     return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(last)));
   }
 
-  void drawSegment(const Place& a, const Place& b, float half)
-  {
+  void drawSegment(const Place& a, const Place& b, float half) {
     const float reach = half + 1.0f;
     const int x0 = clamped(std::floor(std::min(a[0], b[0]) - reach), width_ - 1);
     const int x1 = clamped(std::ceil(std::max(a[0], b[0]) + reach), width_ - 1);
@@ -156,8 +145,7 @@ class LineMask {
     }
   }
 
-  static float distance(const Place& p, const Place& a, const Place& b)
-  {
+  static float distance(const Place& p, const Place& a, const Place& b) {
     const float dx = b[0] - a[0], dy = b[1] - a[1], sq = dx * dx + dy * dy;
     const float t =
         sq > 0 ? std::clamp(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / sq, 0.0f, 1.0f) : 0.0f;
@@ -168,9 +156,7 @@ class LineMask {
   std::vector<float> cover_;
 };
 
-void
-blend(const LineMask& mask, const Color& color, Image& image)
-{
+void blend(const LineMask& mask, const Color& color, Image& image) {
   const Color ink = toLinear(color);
   for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
     const float cover = mask.cover(i);
@@ -184,9 +170,7 @@ blend(const LineMask& mask, const Color& color, Image& image)
 }
 
 /** Blends one colour over the pixels of glass, both in linear light. */
-void
-lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>& glass)
-{
+void lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>& glass) {
   const Color ink = toLinear(color);
   for (std::size_t i = 0; i < glass.size(); ++i) {
     const float cover = mask.cover(i), below = (1.0f - cover) * glass[i][3];
@@ -200,10 +184,8 @@ lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>&
 
 /** Draws each colour's lines and passes their masks to take, the topmost last. */
 template <typename Take>
-Error
-drawMasks(const std::vector<PictureLine>& lines, const LineStyle& style, int width, int height,
-          const Take& take)
-{
+Error drawMasks(const std::vector<PictureLine>& lines, const LineStyle& style, int width,
+                int height, const Take& take) {
   if (!(style.width > 0) || !std::isfinite(style.width))
     return {ErrorCode::kBadArgument, "the width of lines must be above 0"};
   const std::pair<PictureLineKind, Color> kinds[] = {
@@ -226,17 +208,13 @@ drawMasks(const std::vector<PictureLine>& lines, const LineStyle& style, int wid
 
 }  // namespace
 
-Error
-drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image)
-{
+Error drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image) {
   return drawMasks(lines, style, image.width, image.height,
                    [&](const LineMask& mask, const Color& color) { blend(mask, color, image); });
 }
 
-Error
-drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
-          std::vector<std::uint8_t>& rgba)
-{
+Error drawLines(const std::vector<PictureLine>& lines, const LineStyle& style,
+                const ImageSize& size, std::vector<std::uint8_t>& rgba) {
   const auto pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   std::vector<std::array<float, 4>> glass(pixels, {0.0f, 0.0f, 0.0f, 0.0f});
   Error error =

@@ -25,36 +25,27 @@ struct Lanes3 {
   Vec x, y, z;
 };
 
-HWY_INLINE Lanes3
-set(const std::array<float, 3>& v)
-{
+HWY_INLINE Lanes3 set(const std::array<float, 3>& v) {
   return {set(v[0]), set(v[1]), set(v[2])};
 }
 
-HWY_INLINE Vec
-dot(const Lanes3& a, const Lanes3& b)
-{
+HWY_INLINE Vec dot(const Lanes3& a, const Lanes3& b) {
   return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
 }
 
 /** a + s b. */
-HWY_INLINE Lanes3
-along(const Lanes3& a, Vec s, const Lanes3& b)
-{
+HWY_INLINE Lanes3 along(const Lanes3& a, Vec s, const Lanes3& b) {
   return {MulAdd(s, b.x, a.x), MulAdd(s, b.y, a.y), MulAdd(s, b.z, a.z)};
 }
 
-HWY_INLINE Lanes3
-scaled(const Lanes3& a, Vec s)
-{
+HWY_INLINE Lanes3 scaled(const Lanes3& a, Vec s) {
   return {a.x * s, a.y * s, a.z * s};
 }
 
 /** Neighbouring pixels' columns and where their rays go. */
 class Pixels {
  public:
-  HWY_INLINE Pixels(const PictureRow& row, int first) : row_(row)
-  {
+  HWY_INLINE Pixels(const PictureRow& row, int first) : row_(row) {
     const hn::RebindToSigned<Tag> integers;
     // Past the row's end its last pixel is read again.
     place_ = Min(Iota(integers, first), Set(integers, row.width - 1));
@@ -62,8 +53,7 @@ class Pixels {
     covered = depth_ < set(kFar);
   }
 
-  HWY_INLINE void load()
-  {
+  HWY_INLINE void load() {
     normal = load3(row_.normal);
     gradient = load3(row_.gradient);
     length = Sqrt(dot(gradient, gradient));
@@ -81,16 +71,14 @@ class Pixels {
   }
 
   /** The Hessian times a vector. */
-  HWY_INLINE Lanes3 bent(const Lanes3& v) const
-  {
+  HWY_INLINE Lanes3 bent(const Lanes3& v) const {
     const Vec* const h = hessian_;
     return {dot3(h[0], h[1], h[2], v.x, v.y, v.z), dot3(h[1], h[3], h[4], v.x, v.y, v.z),
             dot3(h[2], h[4], h[5], v.x, v.y, v.z)};
   }
 
   /** Writes a curvature, its tangent and the tangent's image, the latter two in some lanes. */
-  HWY_INLINE void put(Vec k, const Lanes3& tangent, Mask shown, int first, FrameRow& frames) const
-  {
+  HWY_INLINE void put(Vec k, const Lanes3& tangent, Mask shown, int first, FrameRow& frames) const {
     const Tag d;
     const Vec ahead = dot(tangent, set(row_.forward));
     const Vec across = NegMulAdd(ahead, x_, dot(tangent, set(row_.right)));
@@ -111,13 +99,11 @@ class Pixels {
   Vec length, facing;  ///< of the gradient; cosine of the way to the viewer and the normal
 
  private:
-  HWY_INLINE Vec load(const float* column, int stride, int entry) const
-  {
+  HWY_INLINE Vec load(const float* column, int stride, int entry) const {
     const hn::RebindToSigned<Tag> integers;
     return GatherIndex(Tag(), column + entry, place_ * Set(integers, stride));
   }
-  HWY_INLINE Lanes3 load3(const float* column) const
-  {
+  HWY_INLINE Lanes3 load3(const float* column) const {
     return {load(column, 3, 0), load(column, 3, 1), load(column, 3, 2)};
   }
 
@@ -127,9 +113,7 @@ class Pixels {
 };
 
 /** Two unit tangents that make a frame with a unit normal. */
-HWY_INLINE void
-tangents(const Lanes3& n, Lanes3& a, Lanes3& b)
-{
+HWY_INLINE void tangents(const Lanes3& n, Lanes3& a, Lanes3& b) {
   const Vec one = set(1.0f), sign = IfThenElse(n.z >= set(0.0f), one, set(-1.0f));
   const Vec q = set(-1.0f) / (sign + n.z), p = n.x * n.y * q;
   const Vec xx = n.x * n.x * q, yy = n.y * n.y * q;
@@ -141,8 +125,7 @@ tangents(const Lanes3& n, Lanes3& a, Lanes3& b)
 struct Principal {
   Vec k1, k2, cosine, sine;
 
-  HWY_INLINE Principal(Vec aa, Vec ab, Vec bb)
-  {
+  HWY_INLINE Principal(Vec aa, Vec ab, Vec bb) {
     const Vec half = set(0.5f) * (aa - bb);
     const Vec mean = set(0.5f) * (aa + bb);
     const Vec root = Sqrt(MulAdd(half, half, ab * ab));
@@ -160,9 +143,7 @@ struct Principal {
   }
 };
 
-HWY_INLINE void
-putNothing(int first, FrameRow& frames)
-{
+HWY_INLINE void putNothing(int first, FrameRow& frames) {
   const Tag d;
   Store(Zero(d), d, frames.k.data() + first);
   for (auto& column : frames.direction) Store(Zero(d), d, column.data() + first);
@@ -171,9 +152,7 @@ putNothing(int first, FrameRow& frames)
 
 /** Runs body(pixels, first) for the vectors of a row that show anything. */
 template <typename Body>
-HWY_INLINE void
-forShown(const PictureRow& row, FrameRow& frames, const Body& body)
-{
+HWY_INLINE void forShown(const PictureRow& row, FrameRow& frames, const Body& body) {
   const Tag d;
   for (int first = 0; first < row.width; first += static_cast<int>(hn::Lanes(d))) {
     Pixels pixels(row, first);
@@ -186,9 +165,7 @@ forShown(const PictureRow& row, FrameRow& frames, const Body& body)
   }
 }
 
-void
-crestFrames(const PictureRow& row, FrameRow& frames)
-{
+void crestFrames(const PictureRow& row, FrameRow& frames) {
   forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
     const Mask usable =
         And(pixels.covered, And(pixels.length > set(0.0f), pixels.facing >= set(kLeastFacing)));
@@ -205,9 +182,7 @@ crestFrames(const PictureRow& row, FrameRow& frames)
   });
 }
 
-void
-radialFrames(const PictureRow& row, FrameRow& frames)
-{
+void radialFrames(const PictureRow& row, FrameRow& frames) {
   forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
     const Lanes3 back = scaled(pixels.ray, set(-1.0f));
     const Lanes3 w = along(back, Neg(pixels.facing), pixels.normal);
@@ -228,8 +203,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pcl_slim::detail {
 
-FrameRow::FrameRow(int width)
-{
+FrameRow::FrameRow(int width) {
   const std::size_t padded = (static_cast<std::size_t>(width) + 15) / 16 * 16;
   k.resize(padded);
   for (auto& column : direction) column.resize(padded);
@@ -239,16 +213,12 @@ FrameRow::FrameRow(int width)
 namespace kernels {
 
 HWY_EXPORT(crestFrames);
-void
-crestFrames(const PictureRow& row, FrameRow& frames)
-{
+void crestFrames(const PictureRow& row, FrameRow& frames) {
   HWY_DYNAMIC_DISPATCH(crestFrames)(row, frames);
 }
 
 HWY_EXPORT(radialFrames);
-void
-radialFrames(const PictureRow& row, FrameRow& frames)
-{
+void radialFrames(const PictureRow& row, FrameRow& frames) {
   HWY_DYNAMIC_DISPATCH(radialFrames)(row, frames);
 }
 

@@ -39,13 +39,11 @@ namespace kernels {
 /** \brief The larger principal curvature of each pixel: k1 where the surface is convex, as for
  * ridges, and k2 < 0 where it is more concave. 0 where nothing is seen or the surface is seen at a
  * grazing angle. */
-void
-crestFrames(const PictureRow& row, FrameRow& frames);
+void crestFrames(const PictureRow& row, FrameRow& frames);
 
-/** \brief Radial curvature of each pixel, along the projected way to the viewer. Facing contours and
- * straight ahead, where it is undefined, screen is 0. */
-void
-radialFrames(const PictureRow& row, FrameRow& frames);
+/** \brief Radial curvature of each pixel, along the projected way to the viewer. Facing contours
+ * and straight ahead, where it is undefined, screen is 0. */
+void radialFrames(const PictureRow& row, FrameRow& frames);
 
 }  // namespace kernels
 
@@ -74,8 +72,7 @@ class PixelGeometry {
    * shows no surface or is beyond a step of depth from the given one.
    * \param[in] read gives a pixel's value; it is called for pixels that show the surface only */
   template <typename Read>
-  bool sample(float x, float y, float depth, const Read& read, float& value) const
-  {
+  bool sample(float x, float y, float depth, const Read& read, float& value) const {
     if (!(x >= 0 && x < static_cast<float>(buffer_.width - 1))) return false;
     if (!(y >= 0 && y < static_cast<float>(buffer_.height - 1))) return false;
     const auto x0 = static_cast<int>(x), y0 = static_cast<int>(y);
@@ -100,8 +97,7 @@ class PixelGeometry {
    * image in the picture. */
   template <typename Read>
   bool sampleBothWays(std::size_t pixel, const Pixel2& screen, float distance, const Read& read,
-                      float& before, float& behind) const
-  {
+                      float& before, float& behind) const {
     const auto width = static_cast<std::size_t>(buffer_.width);
     const std::size_t row = pixel / width;
     const auto x = static_cast<float>(pixel % width), y = static_cast<float>(row);
@@ -129,8 +125,8 @@ class PixelGeometry {
   std::array<float, 3> right_, up_, forward_;
 };
 
-/** \brief Some of many integers, numbered in ascending order: a bit for each of the many, so that what is
- * kept about the few takes no more room than they. */
+/** \brief Some of many integers, numbered in ascending order: a bit for each of the many, so that
+ * what is kept about the few takes no more room than they. */
 class NumberedSet {
  public:
   /** \param[in] limit integers are below it */
@@ -139,8 +135,7 @@ class NumberedSet {
   void add(std::uint32_t i) { bits_[i / 64] |= std::uint64_t{1} << i % 64; }
 
   /** \brief To be called once, after the last add(). \return how many there are */
-  std::size_t count()
-  {
+  std::size_t count() {
     std::uint32_t sum = 0;
     for (std::size_t word = 0; word < bits_.size(); ++word) {
       before_[word] = sum;
@@ -150,15 +145,13 @@ class NumberedSet {
   }
 
   /** \brief Number of a member, from 0. */
-  std::uint32_t numberOf(std::uint32_t i) const
-  {
+  std::uint32_t numberOf(std::uint32_t i) const {
     const std::uint64_t lower = (std::uint64_t{1} << i % 64) - 1;
     return before_[i / 64] + ones(bits_[i / 64] & lower);
   }
 
  private:
-  static std::uint32_t ones(std::uint64_t word)
-  {
+  static std::uint32_t ones(std::uint64_t word) {
     return static_cast<std::uint32_t>(__builtin_popcountll(word));
   }
 
@@ -180,14 +173,13 @@ struct Chain {
 /** \brief Joins links that share a joint into chains; joints of more than two links end chains.
  * O(links + joints).
  * \param[in] num_joints joints are below it */
-std::vector<Chain>
-joinLinks(const std::vector<Link>& links, std::size_t num_joints);
+std::vector<Chain> joinLinks(const std::vector<Link>& links, std::size_t num_joints);
 
 /** \brief Which chains are long enough, a flag each: those of least_length joints, and shorter ones
  * between two joints of others if their connected component is as long. A short chain with a free
  * end is a burr. O(chains + joints). */
-std::vector<std::uint8_t>
-longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double least_length);
+std::vector<std::uint8_t> longEnough(const std::vector<Chain>& chains, std::size_t num_joints,
+                                     double least_length);
 
 /** \brief One row of a field over the pixels. */
 struct FieldRow {
@@ -206,8 +198,8 @@ struct ZeroCrossing {
   Pixel2 screen{};         ///< the tangent's image at the nearer pixel
 };
 
-/** \brief A field over the pixels whose zeros are lines. Values along tangents of arbitrary sign turn
- * theirs with the tangents; those of a field without a sign have tangents of zero length. */
+/** \brief A field over the pixels whose zeros are lines. Values along tangents of arbitrary sign
+ * turn theirs with the tangents; those of a field without a sign have tangents of zero length. */
 class ZeroField {
  public:
   explicit ZeroField(const PixelGeometry& geometry) : geometry_(geometry) {}
@@ -264,8 +256,7 @@ class ZeroTracer {
 };
 
 /** \brief Stretches of strength 1 and more that reach 2 and the least length, appended to lines. */
-void
-keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
-           std::vector<PictureLine>& lines);
+void keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
+                std::vector<PictureLine>& lines);
 
 }  // namespace pcl_slim::detail

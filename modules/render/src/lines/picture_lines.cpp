@@ -13,9 +13,7 @@ namespace pcl_slim {
 
 using namespace detail;
 
-Error
-PictureLineParams::validate() const
-{
+Error PictureLineParams::validate() const {
   if (!(crest_curvature > 0) || !std::isfinite(crest_curvature))
     return {ErrorCode::kBadArgument, "the least curvature of a crest line must be above 0"};
   if (!(suggestive_derivative > 0) || !std::isfinite(suggestive_derivative))
@@ -25,9 +23,7 @@ PictureLineParams::validate() const
   return {};
 }
 
-unsigned
-pictureLineColumns(const PictureLineParams& params)
-{
+unsigned pictureLineColumns(const PictureLineParams& params) {
   return params.crest || params.suggestive ? kGradientColumn | kHessianColumn | kLeafColumns : 0u;
 }
 
@@ -43,13 +39,11 @@ class ContourEdges {
   explicit ContourEdges(const PixelGeometry& geometry)
       : geometry_(geometry),
         buffer_(geometry.buffer()),
-        least_(static_cast<float>(kShareBehind * geometry.diagonal()))
-  {
-  }
+        least_(static_cast<float>(kShareBehind * geometry.diagonal())) {}
 
-  /** Edges above and left of a row's pixels; corners are numbered row by row from the upper left. */
-  std::vector<Link> row(int y) const
-  {
+  /** Edges above and left of a row's pixels; corners are numbered row by row from the upper left.
+   */
+  std::vector<Link> row(int y) const {
     std::vector<Link> links;
     for (int x = 0; x < buffer_.width; ++x) {
       if (x > 0 && parted(x - 1, y, x, y)) links.push_back({{corner(x, y), corner(x, y + 1)}});
@@ -58,21 +52,18 @@ class ContourEdges {
     return links;
   }
 
-  std::array<float, 2> place(std::uint32_t corner) const
-  {
+  std::array<float, 2> place(std::uint32_t corner) const {
     const auto across = static_cast<std::uint32_t>(buffer_.width + 1);
     const std::uint32_t x = corner % across, y = corner / across;
     return {static_cast<float>(x) - 0.5f, static_cast<float>(y) - 0.5f};
   }
 
  private:
-  std::uint32_t corner(int x, int y) const
-  {
+  std::uint32_t corner(int x, int y) const {
     return static_cast<std::uint32_t>(y * (buffer_.width + 1) + x);
   }
 
-  bool parted(int xa, int ya, int xb, int yb) const
-  {
+  bool parted(int xa, int ya, int xb, int yb) const {
     const std::size_t a = buffer_.index(xa, ya), b = buffer_.index(xb, yb);
     // Most neighbours differ by less than any margin; where nothing is seen depth is infinite.
     const float step = std::abs(buffer_.depth[a] - buffer_.depth[b]);
@@ -84,8 +75,7 @@ class ContourEdges {
 
   /** Whether the nearer pixel's tangent plane passes well before the farther pixel's surface. A
    * plane seen from its edge passes nowhere. */
-  bool hides(std::size_t near, int xn, int yn, std::size_t far, int xf, int yf) const
-  {
+  bool hides(std::size_t near, int xn, int yn, std::size_t far, int xf, int yf) const {
     const float pixel = geometry_.pixelLength(near, xn, yn);
     const float margin = std::max(kPixelsBehind * pixel, least_);
     if (buffer_.depth[far] - buffer_.depth[near] < margin) return false;
@@ -99,9 +89,7 @@ class ContourEdges {
 };
 
 /** Vertices drawn to the middle of their neighbours'; the ends of open lines stay. */
-void
-smooth(PictureLine& line)
-{
+void smooth(PictureLine& line) {
   const std::size_t n = line.points.size();
   for (int round = 0; round < kSmoothings; ++round) {
     const auto old = line.points;
@@ -115,9 +103,7 @@ smooth(PictureLine& line)
 }
 
 /** Names the links' corners by numbers without gaps. \return the corners by number */
-std::vector<std::uint32_t>
-numberJoints(const GBuffer& buffer, std::vector<Link>& links)
-{
+std::vector<std::uint32_t> numberJoints(const GBuffer& buffer, std::vector<Link>& links) {
   NumberedSet set(static_cast<std::size_t>(buffer.width + 1) *
                   static_cast<std::size_t>(buffer.height + 1));
   for (const Link& link : links) {
@@ -137,10 +123,8 @@ numberJoints(const GBuffer& buffer, std::vector<Link>& links)
 /** \brief Lines between pixels where the surface ends or hides what is behind it: the nearer
  * pixel's tangent plane passes the farther one by more than six pixels and .3 % of L. The pixels'
  * edges are smoothed; lines shorter than the least length are left out. */
-void
-traceContours(const PixelGeometry& geometry, double least_length, int threads,
-              std::vector<PictureLine>& lines)
-{
+void traceContours(const PixelGeometry& geometry, double least_length, int threads,
+                   std::vector<PictureLine>& lines) {
   const ContourEdges edges(geometry);
   std::vector<std::vector<Link>> rows(static_cast<std::size_t>(geometry.buffer().height));
   parallelFor(rows.size(), threads, 8,
@@ -224,8 +208,7 @@ struct Side {
 };
 
 CurvatureMap::CurvatureMap(const PixelGeometry& geometry, Kernel kernel, int threads)
-    : values_(new float[geometry.buffer().numPixels()])
-{
+    : values_(new float[geometry.buffer().numPixels()]) {
   const GBuffer& buffer = geometry.buffer();
   constexpr std::size_t kRows = 8;
   const auto height = static_cast<std::size_t>(buffer.height);
@@ -243,13 +226,9 @@ CurvatureMap::CurvatureMap(const PixelGeometry& geometry, Kernel kernel, int thr
 CrestField::CrestField(const PixelGeometry& geometry, float least_curvature, int threads)
     : ZeroField(geometry),
       map_(geometry, kernels::crestFrames, threads),
-      least_curvature_(least_curvature)
-{
-}
+      least_curvature_(least_curvature) {}
 
-void
-CrestField::fill(int y, FieldRow& row) const
-{
+void CrestField::fill(int y, FieldRow& row) const {
   std::fill(row.kind.begin(), row.kind.end(), std::uint8_t{0});
   if (geometry_.rowIsEmpty(y)) return;
   kernels::crestFrames(geometry_.row(y), row.frames);
@@ -268,10 +247,8 @@ CrestField::fill(int y, FieldRow& row) const
 }
 
 /** Strength of curvature alone; 0 where k is least between the two, not greatest. */
-float
-CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
-                        float share, std::size_t axis) const
-{
+float CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
+                              float share, std::size_t axis) const {
   const bool grows = a.value[xa] < 0;
   const bool ahead = a.frames.screen[axis][xa] > 0;
   if (grows == ahead) return 0;
@@ -280,9 +257,7 @@ CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, st
 }
 
 /** Prominence of k [kSignificance deviations of its noise], at most that of the crossing. */
-float
-CrestField::strength(const ZeroCrossing& at, std::size_t nearer, int kind) const
-{
+float CrestField::strength(const ZeroCrossing& at, std::size_t nearer, int kind) const {
   const Side side{map_, kind == kRidge ? 1.0f : -1.0f};
   const float distance = kProminence * geometry_.buffer().radius[nearer];
   float before, behind;
@@ -297,13 +272,9 @@ CrestField::strength(const ZeroCrossing& at, std::size_t nearer, int kind) const
 RadialField::RadialField(const PixelGeometry& geometry, float least_derivative, int threads)
     : ZeroField(geometry),
       map_(geometry, kernels::radialFrames, threads),
-      least_derivative_(least_derivative)
-{
-}
+      least_derivative_(least_derivative) {}
 
-void
-RadialField::fill(int y, FieldRow& row) const
-{
+void RadialField::fill(int y, FieldRow& row) const {
   std::fill(row.kind.begin(), row.kind.end(), std::uint8_t{0});
   if (geometry_.rowIsEmpty(y)) return;
   kernels::radialFrames(geometry_.row(y), row.frames);
@@ -314,18 +285,14 @@ RadialField::fill(int y, FieldRow& row) const
   }
 }
 
-float
-RadialField::mostBetween(const FieldRow&, std::size_t, const FieldRow&, std::size_t, float,
-                         std::size_t) const
-{
+float RadialField::mostBetween(const FieldRow&, std::size_t, const FieldRow&, std::size_t, float,
+                               std::size_t) const {
   return std::numeric_limits<float>::infinity();
 }
 
 /** The derivative of the curvature towards the viewer along the surface, against the least and
  * against what noise makes of it. */
-float
-RadialField::strength(const ZeroCrossing& at, std::size_t nearer, int) const
-{
+float RadialField::strength(const ZeroCrossing& at, std::size_t nearer, int) const {
   const float step = geometry_.differenceStep(nearer, at.screen);
   const auto read = [&](std::size_t pixel) { return map_[pixel]; };
   float before, behind;
@@ -336,9 +303,7 @@ RadialField::strength(const ZeroCrossing& at, std::size_t nearer, int) const
   return std::max(0.0f, std::min(derivative / least_derivative_, significant));
 }
 
-Error
-checkBuffer(const GBuffer& buffer, const Camera& camera, const PictureLineParams& params)
-{
+Error checkBuffer(const GBuffer& buffer, const Camera& camera, const PictureLineParams& params) {
   if (buffer.width != camera.size.width || buffer.height != camera.size.height)
     return {
         ErrorCode::kBadArgument,
@@ -353,10 +318,9 @@ checkBuffer(const GBuffer& buffer, const Camera& camera, const PictureLineParams
 
 }  // namespace
 
-Result<std::vector<PictureLine>>
-findPictureLines(const GBuffer& buffer, const Camera& camera, const SLIMSurface& surface,
-                 const PictureLineParams& params)
-{
+Result<std::vector<PictureLine>> findPictureLines(const GBuffer& buffer, const Camera& camera,
+                                                  const SLIMSurface& surface,
+                                                  const PictureLineParams& params) {
   if (Error error = params.validate()) return error;
   if (Error error = camera.validate()) return error;
   if (Error error = checkBuffer(buffer, camera, params)) return error;

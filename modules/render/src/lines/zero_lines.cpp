@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Zeros of a field over the pixels as lines: geometry of a frame, links joined into chains, marching squares.
+// Zeros of a field over the pixels as lines: geometry of a frame, links joined into chains,
+// marching squares.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,9 +21,7 @@ constexpr float kStep = 2.0f;        ///< pixels over which k is differenced, at
 constexpr float kRadiusStep = 0.1f;  ///< of the leaf's radius, at least
 constexpr float kMostStep = 24.0f;   ///< pixels, at most
 
-std::array<float, 3>
-toFloat(const Vector3& v)
-{
+std::array<float, 3> toFloat(const Vector3& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
@@ -36,17 +35,14 @@ PixelGeometry::PixelGeometry(const GBuffer& buffer, const Camera& camera,
       perspective_(camera.projection == Camera::Projection::kPerspective),
       diagonal_(surface.info.diagonal),
       sigma_(std::max(std::sqrt(std::max(surface.info.lambda, 0.0)), kStorePrecision) * diagonal_),
-      step_(static_cast<float>(kDepthStep * diagonal_))
-{
+      step_(static_cast<float>(kDepthStep * diagonal_)) {
   const CameraAxes axes(camera);
   right_ = toFloat(axes.right);
   up_ = toFloat(axes.up);
   forward_ = toFloat(axes.forward);
 }
 
-PictureRow
-PixelGeometry::row(int y) const
-{
+PictureRow PixelGeometry::row(int y) const {
   const std::size_t first = buffer_.index(0, y);
   const auto [left, height] = rays_.inPlane(0, y);
   return {buffer_.depth.data() + first,
@@ -63,25 +59,19 @@ PixelGeometry::row(int y) const
           forward_};
 }
 
-bool
-PixelGeometry::rowIsEmpty(int y) const
-{
+bool PixelGeometry::rowIsEmpty(int y) const {
   const std::uint32_t* const begin = buffer_.surfel.data() + buffer_.index(0, y);
   return std::all_of(begin, begin + buffer_.width,
                      [](std::uint32_t surfel) { return surfel == GBuffer::kNothing; });
 }
 
-float
-PixelGeometry::pixelLength(std::size_t pixel, int x, int y) const
-{
+float PixelGeometry::pixelLength(std::size_t pixel, int x, int y) const {
   const Ray ray = rays_.ray(x, y);
   return static_cast<float>(
       rays_.pixelLength(along(ray.origin, buffer_.depth[pixel], ray.direction)));
 }
 
-float
-PixelGeometry::depthOfPlane(std::size_t pixel, int x, int y, int other_x, int other_y) const
-{
+float PixelGeometry::depthOfPlane(std::size_t pixel, int x, int y, int other_x, int other_y) const {
   const Ray own = rays_.ray(x, y), ray = rays_.ray(other_x, other_y);
   const auto& n = buffer_.normal[pixel];
   const Vector3 normal = {n[0], n[1], n[2]};
@@ -92,17 +82,13 @@ PixelGeometry::depthOfPlane(std::size_t pixel, int x, int y, int other_x, int ot
   return depth > 0 ? static_cast<float>(depth) : -std::numeric_limits<float>::infinity();
 }
 
-float
-PixelGeometry::differenceStep(std::size_t pixel, const Pixel2& screen) const
-{
+float PixelGeometry::differenceStep(std::size_t pixel, const Pixel2& screen) const {
   const float pixels = std::sqrt(screen[0] * screen[0] + screen[1] * screen[1]);
   const float step = std::max(kStep, kRadiusStep * buffer_.radius[pixel] * pixels);
   return std::min(step, kMostStep) / pixels;
 }
 
-float
-PixelGeometry::noiseOfCurvature(std::size_t pixel) const
-{
+float PixelGeometry::noiseOfCurvature(std::size_t pixel) const {
   const std::uint32_t leaf = buffer_.surfel[pixel];
   const double r = surface_.radius[leaf], n = std::max(1.0f, surface_.effective_count[leaf]);
   return static_cast<float>(kNoiseFactor * sigma_ / (r * r * std::sqrt(n)));
@@ -115,8 +101,7 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 class Joiner {
  public:
   Joiner(const std::vector<Link>& links, std::size_t num_joints)
-      : links_(links), meetings_(num_joints), used_(links.size(), 0)
-  {
+      : links_(links), meetings_(num_joints), used_(links.size(), 0) {
     for (std::uint32_t i = 0; i < links.size(); ++i) {
       for (const std::uint32_t joint : links[i].joint) {
         Meeting& meeting = meetings_[joint];
@@ -126,8 +111,7 @@ class Joiner {
     }
   }
 
-  std::vector<Chain> join()
-  {
+  std::vector<Chain> join() {
     std::vector<Chain> chains;
     // First the lines that have ends, then what is left: rings.
     for (const bool rings : {false, true}) {
@@ -150,8 +134,7 @@ class Joiner {
     std::uint32_t count = 0;
   };
 
-  Chain follow(std::uint32_t link, std::uint32_t joint)
-  {
+  Chain follow(std::uint32_t link, std::uint32_t joint) {
     Chain chain;
     chain.joints.push_back(joint);
     while (!used_[link]) {
@@ -175,8 +158,7 @@ class Joiner {
 class Meetings {
  public:
   Meetings(const std::vector<Chain>& chains, std::size_t num_joints)
-      : first_(num_joints, kNone), parent_(chains.size()), length_(chains.size())
-  {
+      : first_(num_joints, kNone), parent_(chains.size()), length_(chains.size()) {
     for (std::uint32_t i = 0; i < chains.size(); ++i) {
       parent_[i] = i;
       length_[i] = chains[i].joints.size();
@@ -199,14 +181,12 @@ class Meetings {
   std::size_t lengthAround(std::uint32_t chain) { return length_[rootOf(chain)]; }
 
  private:
-  std::uint32_t rootOf(std::uint32_t i)
-  {
+  std::uint32_t rootOf(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
 
-  void join(std::uint32_t a, std::uint32_t b)
-  {
+  void join(std::uint32_t a, std::uint32_t b) {
     a = rootOf(a);
     b = rootOf(b);
     if (a == b) return;
@@ -221,9 +201,8 @@ class Meetings {
 
 }  // namespace
 
-std::vector<std::uint8_t>
-longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double least_length)
-{
+std::vector<std::uint8_t> longEnough(const std::vector<Chain>& chains, std::size_t num_joints,
+                                     double least_length) {
   Meetings meetings(chains, num_joints);
   std::vector<std::uint8_t> keep(chains.size());
   for (std::uint32_t i = 0; i < chains.size(); ++i) {
@@ -236,9 +215,7 @@ longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double leas
   return keep;
 }
 
-std::vector<Chain>
-joinLinks(const std::vector<Link>& links, std::size_t num_joints)
-{
+std::vector<Chain> joinLinks(const std::vector<Link>& links, std::size_t num_joints) {
   return Joiner(links, num_joints).join();
 }
 
@@ -250,9 +227,7 @@ constexpr double kLongestLink = 1.4143;  ///< pixels: across a cell
 constexpr float kNowhere = -1.0f;
 
 /** Where a field crosses zero between two neighbours, as a share of the way; kNowhere: nowhere. */
-float
-crossingBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb)
-{
+float crossingBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb) {
   if (a.kind[xa] == 0 || a.kind[xa] != b.kind[xb]) return kNowhere;
   const auto &da = a.frames.direction, &db = b.frames.direction;
   const float along = da[0][xa] * db[0][xb] + da[1][xa] * db[1][xb] + da[2][xa] * db[2][xb];
@@ -263,9 +238,9 @@ crossingBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_
 }  // namespace
 
 FieldRow::FieldRow(int width)
-    : frames(width), value(static_cast<std::size_t>(width)), kind(static_cast<std::size_t>(width))
-{
-}
+    : frames(width),
+      value(static_cast<std::size_t>(width)),
+      kind(static_cast<std::size_t>(width)) {}
 
 /** Iterates over some rows and stores two of them at a time. */
 class ZeroTracer::BandScan {
@@ -278,13 +253,10 @@ class ZeroTracer::BandScan {
         lower_(upper_),
         across_(width_, kNowhere),
         next_across_(width_, kNowhere),
-        down_(width_, kNowhere)
-  {
-  }
+        down_(width_, kNowhere) {}
 
   /** \param[in] end row behind the last; height of the picture */
-  void scan(std::size_t begin, std::size_t end, std::size_t height)
-  {
+  void scan(std::size_t begin, std::size_t end, std::size_t height) {
     load(begin, lower_, next_across_);
     for (std::size_t y = begin; y < end; ++y) {
       std::swap(upper_, lower_);
@@ -300,23 +272,20 @@ class ZeroTracer::BandScan {
   }
 
  private:
-  void load(std::size_t y, FieldRow& row, std::vector<float>& across) const
-  {
+  void load(std::size_t y, FieldRow& row, std::vector<float>& across) const {
     field_.fill(static_cast<int>(y), row);
     for (std::size_t x = 0; x + 1 < width_; ++x) across[x] = crossingBetween(row, x, row, x + 1);
   }
 
   /** Crossings to the right of the upper row's pixels and below them. */
-  void collect(std::size_t first)
-  {
+  void collect(std::size_t first) {
     for (std::size_t x = 0; x < width_; ++x) {
       if (across_[x] >= 0) add(2 * (first + x), across_[x], x, upper_, x + 1);
       if (down_[x] >= 0) add(2 * (first + x) + 1, down_[x], x, lower_, x);
     }
   }
 
-  void add(std::size_t edge, float share, std::size_t xa, const FieldRow& other, std::size_t xb)
-  {
+  void add(std::size_t edge, float share, std::size_t xa, const FieldRow& other, std::size_t xb) {
     const float most = field_.mostBetween(upper_, xa, other, xb, share, edge % 2);
     const auto& screen = share < 0.5f ? upper_.frames.screen : other.frames.screen;
     const std::size_t x = share < 0.5f ? xa : xb;
@@ -325,8 +294,7 @@ class ZeroTracer::BandScan {
   }
 
   /** The piece of a line through each cell below and right of an upper pixel, if there is one. */
-  void link(std::size_t first)
-  {
+  void link(std::size_t first) {
     for (std::size_t x = 0; x + 1 < width_; ++x) {
       const float shares[] = {across_[x], down_[x], down_[x + 1], next_across_[x]};
       const int count = (shares[0] >= 0) + (shares[1] >= 0) + (shares[2] >= 0) + (shares[3] >= 0);
@@ -344,8 +312,7 @@ class ZeroTracer::BandScan {
   }
 
   /** The kind of at least three of a cell's corners, 0 where there is none. */
-  int kindOfCell(std::size_t x) const
-  {
+  int kindOfCell(std::size_t x) const {
     const std::uint8_t corners[] = {upper_.kind[x], upper_.kind[x + 1], lower_.kind[x],
                                     lower_.kind[x + 1]};
     const bool first = corners[0] == corners[1] || corners[0] == corners[2];
@@ -360,8 +327,7 @@ class ZeroTracer::BandScan {
   std::vector<float> across_, next_across_, down_;  ///< crossings to the right and below
 };
 
-ZeroTracer::ZeroTracer(const ZeroField& field, int threads) : field_(field)
-{
+ZeroTracer::ZeroTracer(const ZeroField& field, int threads) : field_(field) {
   const auto height = static_cast<std::size_t>(field.geometry().buffer().height);
   bands_.resize((height + kBandRows - 1) / kBandRows);
   parallelFor(bands_.size(), threads, 1, [&](std::size_t i, int) {
@@ -370,9 +336,7 @@ ZeroTracer::ZeroTracer(const ZeroField& field, int threads) : field_(field)
   });
 }
 
-void
-ZeroTracer::addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) const
-{
+void ZeroTracer::addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) const {
   const auto width = static_cast<std::uint32_t>(field_.geometry().buffer().width);
   const std::uint32_t a = at.edge / 2;
   const bool down = at.edge % 2 != 0;
@@ -383,9 +347,7 @@ ZeroTracer::addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) const
   line.vertices.push_back({down ? x : x + at.share, down ? y + at.share : y, strength});
 }
 
-std::vector<ZeroLine>
-ZeroTracer::lines(int kind, double least_length, int threads) const
-{
+std::vector<ZeroLine> ZeroTracer::lines(int kind, double least_length, int threads) const {
   std::vector<ZeroCrossing> crossings;
   std::vector<Link> links;
   for (const Band& band : bands_) {
@@ -416,11 +378,10 @@ ZeroTracer::lines(int kind, double least_length, int threads) const
 
 namespace {
 
-/** Appends vertices [begin, end) of a line as a line of its own, if it is long and strong enough. */
-void
-keepStretch(const std::vector<LineVertex>& vertices, std::size_t begin, std::size_t end,
-            PictureLine line, double least_length, std::vector<PictureLine>& lines)
-{
+/** Appends vertices [begin, end) of a line as a line of its own, if it is long and strong enough.
+ */
+void keepStretch(const std::vector<LineVertex>& vertices, std::size_t begin, std::size_t end,
+                 PictureLine line, double least_length, std::vector<PictureLine>& lines) {
   double length = 0;
   float strongest = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -440,9 +401,7 @@ keepStretch(const std::vector<LineVertex>& vertices, std::size_t begin, std::siz
 }
 
 /** A closed line, opened at a vertex that is not kept, if there is one. */
-ZeroLine
-opened(ZeroLine line)
-{
+ZeroLine opened(ZeroLine line) {
   for (std::size_t i = 0; line.closed && i < line.vertices.size(); ++i) {
     if (line.vertices[i].strength >= 1.0f) continue;
     std::rotate(line.vertices.begin(), line.vertices.begin() + static_cast<std::ptrdiff_t>(i),
@@ -454,10 +413,8 @@ opened(ZeroLine line)
 
 }  // namespace
 
-void
-keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
-           std::vector<PictureLine>& lines)
-{
+void keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
+                std::vector<PictureLine>& lines) {
   for (ZeroLine& zero : zeros) {
     const ZeroLine line = opened(std::move(zero));
     PictureLine kept;

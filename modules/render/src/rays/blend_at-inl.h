@@ -26,8 +26,7 @@ struct LaneSums {
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
-  LaneSums()
-  {
+  LaneSums() {
     weight = shift = coverage = leaves = facing = Zero(Tag());
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
@@ -38,8 +37,7 @@ struct LaneSums {
   }
 
   /** The sums over all lanes. */
-  BlendSum total() const
-  {
+  BlendSum total() const {
     BlendSum sum;
     sum.weight = over(weight);
     sum.shift = over(shift);
@@ -76,8 +74,7 @@ struct BlendPlace {
 struct LocalPlace {
   float point[3], direction[3];
 
-  LocalPlace(const BlendPlace& place, const LeafBlocks::Head& head)
-  {
+  LocalPlace(const BlendPlace& place, const LeafBlocks::Head& head) {
     for (std::size_t a = 0; a < 3; ++a) {
       point[a] = static_cast<float>(place.point[a] - double{head.center[a]});
       direction[a] = static_cast<float>(place.direction[a]);
@@ -91,9 +88,8 @@ struct NearRoots {
   Mask found;
 };
 
-HWY_INLINE NearRoots
-nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec high, bool front_only, Mask wanted)
-{
+HWY_INLINE NearRoots nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec high,
+                                         bool front_only, Mask wanted) {
   const QuadraticRootLanes roots(line);
   const Mask real = And(wanted, roots.real);
   const auto counts = [&](Vec s, Mask falling) HWY_ATTR {
@@ -108,9 +104,7 @@ nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec high, bool front_only
 
 /** Vec where Newton's steps from q^ are sure to lead to the nearest root, as obviousRoot(). */
 template <int D>
-HWY_INLINE Mask
-obvious(const LeafLines<D>& line)
-{
+HWY_INLINE Mask obvious(const LeafLines<D>& line) {
   const Vec reach = set(2.0f) * Abs(line.a[0]), steep = Abs(line.a[1]);
   const Vec m = reach / steep;
   const Vec outer = MulAdd(set(12.0f) * m, Abs(line.a[4]), set(6.0f) * Abs(line.a[3]));
@@ -119,10 +113,8 @@ obvious(const LeafLines<D>& line)
 }
 
 template <int D>
-HWY_INLINE NearRoots
-nearestOfHigher(const LeafLines<D>& line, Vec low, Vec high, bool front_only, Mask wanted,
-                std::uint64_t& bracketed)
-{
+HWY_INLINE NearRoots nearestOfHigher(const LeafLines<D>& line, Vec low, Vec high, bool front_only,
+                                     Mask wanted, std::uint64_t& bracketed) {
   const Tag d;
   NearRoots roots{Neg(line.a[0] / line.a[1]), And(wanted, obvious<D>(line))};
   for (int step = 0; step < 4; ++step) {
@@ -159,10 +151,8 @@ struct BlendContext {
 
 /** Adds w grad f and w H of some lanes, turned by the sign of w, in world axes. */
 template <int D>
-HWY_INLINE void
-addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v, Vec weight,
-               bool with_hessian, LaneSums& sums)
-{
+HWY_INLINE void addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v,
+                               Vec weight, bool with_hessian, LaneSums& sums) {
   const LaneJets<D> jet(block, u, v);
   const Vec fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
             fw[3] = {frame.w.x, frame.w.y, frame.w.z};
@@ -184,9 +174,8 @@ addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec
 }
 
 /** Remembers the surfel of the largest weight of each lane. */
-HWY_INLINE void
-keepLargest(const LeafBlocks::Head& head, std::size_t k, Vec weight, LaneSums& sums)
-{
+HWY_INLINE void keepLargest(const LeafBlocks::Head& head, std::size_t k, Vec weight,
+                            LaneSums& sums) {
   const Tag d;
   const Vec largest = Load(d, sums.largest + k);
   const Mask more = weight > largest;
@@ -198,10 +187,8 @@ keepLargest(const LeafBlocks::Head& head, std::size_t k, Vec weight, LaneSums& s
 }
 
 /** Adds the trim maps' values of open leaves at their crossings at (u, v). */
-HWY_NOINLINE void
-addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Vec weight, Vec u, Vec v,
-           LaneSums& sums)
-{
+HWY_NOINLINE void addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Vec weight,
+                             Vec u, Vec v, LaneSums& sums) {
   const Tag d;
   HWY_ALIGN float w[kWide], at_u[kWide], at_v[kWide];
   Store(weight, d, w);
@@ -214,9 +201,7 @@ addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Vec weight,
 }
 
 /** Adds where leaves meet the ray, from their centres: weighted, and as they are. */
-HWY_INLINE void
-addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sums)
-{
+HWY_INLINE void addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sums) {
   const Vec places[] = {at.x, at.y, at.z};
   for (std::size_t a = 0; a < 3; ++a) {
     sums.lean[a] = MulAdd(weight, places[a], sums.lean[a]);
@@ -226,10 +211,9 @@ addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sums)
 
 /** Adds leaves k, k + 1, ... of a block to a blend, as blendLeaf(). */
 template <int D>
-HWY_INLINE void
-addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const BlockLanes& block,
-          const LocalPlace& place, double begin, LaneSums& sums)
-{
+HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& head,
+                          const BlockLanes& block, const LocalPlace& place, double begin,
+                          LaneSums& sums) {
   const Tag d;
   const Vec zero = Zero(d), one = set(1.0f);
   const Triad p = block.place(place.point), direction = tripleOf<Vec>(place.direction);
@@ -284,9 +268,7 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
 }
 
 /** The blend of all leaves whose ball contains a place. */
-HWY_INLINE BlendSum
-blendAt(const BlendContext& context, const BlendPlace& place)
-{
+HWY_INLINE BlendSum blendAt(const BlendContext& context, const BlendPlace& place) {
   const RayScene& scene = context.scene;
   LaneSums sums;
   const float point[3] = {static_cast<float>(place.point[0]), static_cast<float>(place.point[1]),

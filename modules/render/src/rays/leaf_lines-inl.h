@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The polynomials of a block's leaves along one ray, a leaf a lane, and one ray's or one point's way down a tree
-// of eight children a node. The guard toggles: Highway compiles
-// a kernel file once per instruction set.
+// The polynomials of a block's leaves along one ray, a leaf a lane, and one ray's or one point's
+// way down a tree of eight children a node. The guard toggles: Highway compiles a kernel file once
+// per instruction set.
 #if defined(PCL_SLIM_LEAF_LINES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_LEAF_LINES_INL
 #undef PCL_SLIM_LEAF_LINES_INL
@@ -25,16 +25,12 @@ using Tag = hn::CappedTag<float, kWide>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
-HWY_INLINE Vec
-set(float value)
-{
+HWY_INLINE Vec set(float value) {
   return Set(Tag(), value);
 }
 
 /** One bit a lane. */
-HWY_INLINE unsigned
-bitsOf(Mask mask)
-{
+HWY_INLINE unsigned bitsOf(Mask mask) {
   std::uint8_t bits[8] = {};
   StoreMaskBits(Tag(), mask, bits);
   return bits[0];
@@ -43,9 +39,7 @@ bitsOf(Mask mask)
 using Triad = Triple<Vec>;
 
 /** p + s d. */
-HWY_INLINE Triad
-pointAt(const Triad& p, Vec s, const Triad& d)
-{
+HWY_INLINE Triad pointAt(const Triad& p, Vec s, const Triad& d) {
   return {MulAdd(s, d.x, p.x), MulAdd(s, d.y, p.y), MulAdd(s, d.z, p.z)};
 }
 
@@ -58,14 +52,12 @@ struct BlockLanes {
   HWY_INLINE Vec coefficient(std::size_t c) const { return column(kBlockCoefficients + c); }
 
   /** The leaves' frames. */
-  HWY_INLINE FrameLanes<Vec> frames() const
-  {
+  HWY_INLINE FrameLanes<Vec> frames() const {
     return FrameLanes<Vec>({column(kBlockNX), column(kBlockNY), column(kBlockNZ)});
   }
 
   /** A point relative to the block, relative to the centres and in radii. */
-  HWY_INLINE Triad place(const float point[3]) const
-  {
+  HWY_INLINE Triad place(const float point[3]) const {
     const Vec inverse = column(kBlockInverseRadius);
     return {(set(point[0]) - column(kBlockX)) * inverse,
             (set(point[1]) - column(kBlockY)) * inverse,
@@ -80,8 +72,7 @@ struct LeafLines {
   Vec u, v, du, dv;  ///< p and d in the leaves' frames
 
   LeafLines(const BlockLanes& block, const FrameLanes<Vec>& frame, const Triad& p, const Triad& d)
-      : u(dot3(p, frame.u)), v(dot3(p, frame.v)), du(dot3(d, frame.u)), dv(dot3(d, frame.v))
-  {
+      : u(dot3(p, frame.u)), v(dot3(p, frame.v)), du(dot3(d, frame.u)), dv(dot3(d, frame.v)) {
     const Vec c1 = block.coefficient(1), c2 = block.coefficient(2);
     a[0] = MulAdd(c1, u, MulAdd(c2, v, block.coefficient(0)));
     a[1] = MulAdd(c1, du, c2 * dv);
@@ -94,16 +85,14 @@ struct LeafLines {
     for (int i = 2; i <= D; ++i) a[i] = Neg(a[i]);
   }
 
-  HWY_INLINE Vec slope(Vec s) const
-  {
+  HWY_INLINE Vec slope(Vec s) const {
     Vec value = set(static_cast<float>(D)) * a[D];
     for (int i = D - 1; i >= 1; --i) {
       value = MulAdd(value, s, set(static_cast<float>(i)) * a[i]);
     }
     return value;
   }
-  HWY_INLINE Vec value(Vec s) const
-  {
+  HWY_INLINE Vec value(Vec s) const {
     Vec value = a[D];
     for (int i = D - 1; i >= 0; --i) value = MulAdd(value, s, a[i]);
     return value;
@@ -113,8 +102,7 @@ struct LeafLines {
   /** x u + y v times a factor. */
   static HWY_INLINE Vec both(Vec x, Vec u, Vec y, Vec v) { return MulAdd(x, u, y * v); }
 
-  HWY_INLINE void addQuadratic(const BlockLanes& block)
-  {
+  HWY_INLINE void addQuadratic(const BlockLanes& block) {
     const Vec c0 = block.coefficient(3), c1 = block.coefficient(4), c2 = block.coefficient(5);
     const Vec gu = both(c0 + c0, u, c1, v), gv = both(c1, u, c2 + c2, v);
     a[0] = MulAdd(set(0.5f), both(gu, u, gv, v), a[0]);
@@ -122,8 +110,7 @@ struct LeafLines {
     a[2] = MulAdd(MulAdd(c0, du, c1 * dv), du, c2 * (dv * dv));
   }
 
-  HWY_INLINE void addCubic(const BlockLanes& block)
-  {
+  HWY_INLINE void addCubic(const BlockLanes& block) {
     Vec c[4];
     for (std::size_t i = 0; i < 4; ++i) c[i] = block.coefficient(6 + i);
     const Vec two = set(2.0f), three = set(3.0f);
@@ -142,8 +129,7 @@ struct LeafLines {
     a[3] = third * both(qu, du, qv, dv);
   }
 
-  HWY_INLINE void addQuartic(const BlockLanes& block)
-  {
+  HWY_INLINE void addQuartic(const BlockLanes& block) {
     Vec c[5];
     for (std::size_t i = 0; i < 5; ++i) c[i] = block.coefficient(10 + i);
     const auto times = [](float f, Vec x) HWY_ATTR { return set(f) * x; };
@@ -181,8 +167,7 @@ struct QuadraticRootLanes {
   Mask real;
   Mask one_falls;  ///< the quadratic falls at one and rises at other; elsewhere the reverse
 
-  explicit QuadraticRootLanes(const LeafLines<2>& line)
-  {
+  explicit QuadraticRootLanes(const LeafLines<2>& line) {
     const Vec *a = line.a, zero = Zero(Tag());
     const Vec under = NegMulAdd(set(4.0f) * a[2], a[0], a[1] * a[1]);
     real = under >= zero;
@@ -199,8 +184,7 @@ template <int D>
 struct LaneJets {
   Vec hu, hv, huu, huv, hvv;
 
-  LaneJets(const BlockLanes& block, Vec u, Vec v)
-  {
+  LaneJets(const BlockLanes& block, Vec u, Vec v) {
     // Slopes of each power of u, from the highest degree down to 2, added to the linear terms.
     const Vec two = set(2.0f);
     const auto c = [&](std::size_t i) HWY_ATTR { return block.coefficient(i); };
@@ -216,8 +200,7 @@ struct LaneJets {
  private:
   /** Adds the derivatives of the form of degree N whose coefficients begin at First. */
   template <int N, int First>
-  HWY_INLINE void addForm(const BlockLanes& block, Vec u, Vec v)
-  {
+  HWY_INLINE void addForm(const BlockLanes& block, Vec u, Vec v) {
     Vec pu[N], pv[N];
     pu[0] = pv[0] = set(1.0f);
     for (int i = 1; i < N; ++i) {
@@ -247,8 +230,7 @@ struct Line {
   float origin[3], inverse[3];
   std::size_t near_row[3];
 
-  Line(const Ray& ray, const Box& bounds)
-  {
+  Line(const Ray& ray, const Box& bounds) {
     Vector3 middle{};
     double reach = 0.0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -271,9 +253,8 @@ struct Line {
 };
 
 /** Children whose boxes a line meets between two depths, and where it enters them. */
-HWY_INLINE unsigned
-meetChildren(const WideBoxes& boxes, const Line& line, float from, float to, float* entry)
-{
+HWY_INLINE unsigned meetChildren(const WideBoxes& boxes, const Line& line, float from, float to,
+                                 float* entry) {
   const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
@@ -291,12 +272,10 @@ meetChildren(const WideBoxes& boxes, const Line& line, float from, float to, flo
   return bits;
 }
 
-/** The same of boxes widened by base, and by slope times how far their farthest corner may be from the
- * ray's own origin: a pixel's length there. */
-HWY_INLINE unsigned
-meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, float from, float to,
-            float* entry)
-{
+/** The same of boxes widened by base, and by slope times how far their farthest corner may be from
+ * the ray's own origin: a pixel's length there. */
+HWY_INLINE unsigned meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width,
+                                float from, float to, float* entry) {
   const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
@@ -321,9 +300,7 @@ meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, flo
 }
 
 /** Children whose wider box contains a point. */
-HWY_INLINE unsigned
-childrenAround(const WideBoxes& boxes, const float point[3])
-{
+HWY_INLINE unsigned childrenAround(const WideBoxes& boxes, const float point[3]) {
   const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
@@ -347,10 +324,8 @@ struct Visit {
  * \param[in] meet unsigned(node's number, float* entry): children that the line meets
  * \param[in] body bool(block) */
 template <typename Meet, typename Body>
-HWY_INLINE void
-walkAlong(const WideTree& tree, float from, const float& until, std::uint64_t& nodes,
-          const Meet& meet, const Body& body)
-{
+HWY_INLINE void walkAlong(const WideTree& tree, float from, const float& until,
+                          std::uint64_t& nodes, const Meet& meet, const Body& body) {
   Visit stack[kStack];
   std::size_t top = 0;
   stack[top++] = {0, from};
@@ -378,9 +353,8 @@ walkAlong(const WideTree& tree, float from, const float& until, std::uint64_t& n
 
 /** Visits the blocks whose wider box contains a point. */
 template <typename Body>
-HWY_INLINE void
-walkAround(const WideTree& tree, const float point[3], std::uint64_t& nodes, const Body& body)
-{
+HWY_INLINE void walkAround(const WideTree& tree, const float point[3], std::uint64_t& nodes,
+                           const Body& body) {
   std::uint32_t stack[kStack];
   std::size_t top = 0;
   stack[top++] = 0;

@@ -22,15 +22,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/** A ray at a block: coordinates relative to the block, depths from the point next to its centre. */
+/** A ray at a block: coordinates relative to the block, depths from the point next to its centre.
+ */
 struct LocalRay {
   double depth;  ///< of that point
   float point[3], direction[3];
   float front, behind, end;  ///< depths between which roots count, from either side
 
   LocalRay(const BoundedRay& bounded, const LeafBlocks::Head& head, double nearest,
-           double end_depth)
-  {
+           double end_depth) {
     const Ray& ray = bounded.ray;
     const Vector3 center{head.center[0], head.center[1], head.center[2]};
     const Vector3 to_center = subtract(center, ray.origin);
@@ -51,8 +51,7 @@ struct LaneChords {
   Vec distance_sq, front, behind, high;
   Mask inside;
 
-  LaneChords(const LocalRay& ray, Vec inverse_radius, const Triad& p, const Triad& d, float share)
-  {
+  LaneChords(const LocalRay& ray, Vec inverse_radius, const Triad& p, const Triad& d, float share) {
     const Vec zero = Zero(Tag());
     middle = Neg(dot3(p, d));
     const Triad closest = pointAt(p, middle, d);
@@ -72,17 +71,14 @@ struct LaneTrims {
   const SLIMSurface& surface;
   const std::uint32_t* surfels;
 
-  bool hasData(std::size_t lane, double u, double v) const
-  {
+  bool hasData(std::size_t lane, double u, double v) const {
     return outsideShare(surface.trimMap(surfels[lane]), u, v) <= 0.5;
   }
 };
 
 /** Those of some lanes whose leaf's own trim map has data at s. */
 template <int D>
-HWY_INLINE Mask
-haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s, Mask some)
-{
+HWY_INLINE Mask haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s, Mask some) {
   if (!trims.surface.hasTrimMaps()) return some;
   const Tag d;
   HWY_ALIGN float u[kWide], v[kWide], have[kWide] = {};
@@ -96,9 +92,8 @@ haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s, Mask some)
 }
 
 /** Roots of quadratic and linear leaves, in closed form without cancellation. */
-HWY_INLINE Vec
-firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord, const LaneTrims& trims)
-{
+HWY_INLINE Vec firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord,
+                                 const LaneTrims& trims) {
   const QuadraticRootLanes roots(line);
   const Mask real = And(chord.inside, roots.real);
   const auto counted = [&](Vec s, Mask falling) HWY_ATTR {
@@ -112,9 +107,7 @@ firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord, const LaneT
 /** Vec on whose chords a polynomial of degree 3 or 4 may have a root, by the signs of its
  * Bernstein coefficients. */
 template <int D>
-HWY_INLINE Mask
-mayHaveRoots(const LeafLines<D>& line, Vec low, Vec high)
-{
+HWY_INLINE Mask mayHaveRoots(const LeafLines<D>& line, Vec low, Vec high) {
   Vec c[D + 1];
   for (int i = 0; i <= D; ++i) c[i] = line.a[i];
   for (int i = 0; i < D; ++i) {
@@ -149,10 +142,8 @@ mayHaveRoots(const LeafLines<D>& line, Vec low, Vec high)
 
 /** Roots of cubics and quartics, isolated one by one where there may be any. */
 template <int D>
-HWY_INLINE Vec
-firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims& trims,
-              std::uint64_t& bracketed)
-{
+HWY_INLINE Vec firstOfHigher(const LeafLines<D>& line, const LaneChords& chord,
+                             const LaneTrims& trims, std::uint64_t& bracketed) {
   const Tag d;
   const Vec low = Min(chord.front, chord.behind);
   unsigned bits = bitsOf(And(chord.inside, mayHaveRoots<D>(line, low, chord.high)));
@@ -191,10 +182,8 @@ struct LaneRoots {
 /** First roots of leaves k, k + 1, ... of a block at which their trim maps have data. \return false
  * when there are none. */
 template <int D>
-HWY_INLINE bool
-firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray, float shrink,
-           RayCounts& counts, LaneRoots& roots)
-{
+HWY_INLINE bool firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray,
+                           float shrink, RayCounts& counts, LaneRoots& roots) {
   const Triad p = block.place(ray.point), direction = tripleOf<Vec>(ray.direction);
   const LaneChords chord(ray, block.column(kBlockInverseRadius), p, direction, shrink);
   const unsigned bits = bitsOf(chord.inside);
@@ -212,10 +201,9 @@ firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray,
 }
 
 /** The same of lanes k, k + 1, ... of any block. */
-HWY_INLINE bool
-firstRootsOf(const RayScene& scene, std::uint32_t b, std::size_t k, const LocalRay& ray,
-             float shrink, RayCounts& counts, LaneRoots& roots)
-{
+HWY_INLINE bool firstRootsOf(const RayScene& scene, std::uint32_t b, std::size_t k,
+                             const LocalRay& ray, float shrink, RayCounts& counts,
+                             LaneRoots& roots) {
   const LeafBlocks::Head& head = scene.blocks.head(b);
   const BlockLanes block{scene.blocks.columns(b), k};
   const LaneTrims trims{scene.surface, head.surfel + k};
@@ -228,18 +216,14 @@ firstRootsOf(const RayScene& scene, std::uint32_t b, std::size_t k, const LocalR
 }
 
 /** A depth less a line's shift, rounded up. */
-HWY_INLINE float
-roundedUp(double depth)
-{
+HWY_INLINE float roundedUp(double depth) {
   return static_cast<float>(depth + 2e-7 * std::abs(depth));
 }
 
 /** The first root of any leaf inside its ball of a share of its radius, from nearest to farthest;
  * infinity without one. Shares above the scene's own need the wider boxes. */
-HWY_INLINE double
-firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line, double nearest,
-           double farthest, double share)
-{
+HWY_INLINE double firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
+                             double nearest, double farthest, double share) {
   const RayScene& scene = context.scene;
   const bool wide = share > scene.shrink;
   double best = farthest;
@@ -269,21 +253,17 @@ firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
 }
 
 /** The blend at a depth of a ray. */
-BlendSum
-blendOn(const BlendContext& context, const BoundedRay& ray, double depth)
-{
+BlendSum blendOn(const BlendContext& context, const BoundedRay& ray, double depth) {
   const Ray& own = ray.ray;
   return blendAt(context,
                  {along(own.origin, depth, own.direction), own.direction, ray.nearest - depth});
 }
 
-/** Looks for a hit among first roots inside balls of a share of their radii, behind those whose blend
- * is refused too. \param[in] accept bool(sum) */
+/** Looks for a hit among first roots inside balls of a share of their radii, behind those whose
+ * blend is refused too. \param[in] accept bool(sum) */
 template <typename Accept>
-HWY_INLINE void
-traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line, double farthest,
-            double share, const Accept& accept, BlendedHit& hit)
-{
+HWY_INLINE void traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line,
+                            double farthest, double share, const Accept& accept, BlendedHit& hit) {
   double nearest = ray.nearest;
   for (int layer = 0; layer < kMaxLayers; ++layer) {
     const double depth = firstDepth(context, ray, line, nearest, farthest, share);
@@ -300,9 +280,7 @@ traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line
   }
 }
 
-void
-traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
-{
+void traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit) {
   hit = BlendedHit();
   const Line line(ray.ray, context.scene.tree.bounds);
   const double coverage = context.rules.min_coverage;
@@ -320,10 +298,8 @@ traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
 /** Whether one of some lanes' roots is accepted.
  * \param[in] alone coverage by one leaf from which the blend need not be evaluated */
 template <typename Accept>
-HWY_INLINE bool
-anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
-            const LaneRoots& roots, double alone, const Accept& accept)
-{
+HWY_INLINE bool anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
+                            const LaneRoots& roots, double alone, const Accept& accept) {
   const Tag d;
   const RayScene& scene = context.scene;
   const unsigned met = bitsOf(roots.s < set(kNever));
@@ -346,10 +322,8 @@ anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
 
 /** Whether any root inside balls of a share of their radii is accepted. */
 template <typename Accept>
-HWY_INLINE bool
-anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, double share,
-        double alone, const Accept& accept)
-{
+HWY_INLINE bool anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line,
+                        double share, double alone, const Accept& accept) {
   const RayScene& scene = context.scene;
   const bool wide = share > scene.shrink;
   const float until = roundedUp(ray.farthest - line.shift);
@@ -372,9 +346,7 @@ anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, do
   return found;
 }
 
-bool
-blockedOne(const BlendContext& context, const BoundedRay& ray)
-{
+bool blockedOne(const BlendContext& context, const BoundedRay& ray) {
   const Line line(ray.ray, context.scene.tree.bounds);
   const double coverage = context.rules.min_coverage;
   if (anyRoot(context, ray, line, context.scene.shrink, coverage,
@@ -388,10 +360,8 @@ blockedOne(const BlendContext& context, const BoundedRay& ray)
                  [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); });
 }
 
-void
-traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-          BlendedHit* hits, RayCounts& counts)
-{
+void traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+               std::size_t count, BlendedHit* hits, RayCounts& counts) {
   const BlendContext context{scene, rules, counts};
   for (std::size_t i = 0; i < count; ++i) {
     BoundedRay ray = rays[i];
@@ -400,10 +370,8 @@ traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, 
   }
 }
 
-void
-traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-            double* depths, RayCounts& counts)
-{
+void traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                 std::size_t count, double* depths, RayCounts& counts) {
   const BlendContext context{scene, rules, counts};
   for (std::size_t i = 0; i < count; ++i) {
     BoundedRay ray = rays[i];
@@ -413,10 +381,8 @@ traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays
   }
 }
 
-void
-traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
-             std::size_t count, std::uint8_t* blocked, RayCounts& counts)
-{
+void traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                  std::size_t count, std::uint8_t* blocked, RayCounts& counts) {
   RayRules either = rules;
   either.front_only = false;
   either.with_hessian = false;
@@ -424,10 +390,8 @@ traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* ray
   for (std::size_t i = 0; i < count; ++i) blocked[i] = blockedOne(context, rays[i]) ? 1 : 0;
 }
 
-void
-visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
-            const BlockVisitor& visitor, std::uint64_t& nodes)
-{
+void visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
+                 const BlockVisitor& visitor, std::uint64_t& nodes) {
   const Line line(ray.ray, tree.bounds);
   float until = roundedUp(ray.farthest - line.shift);
   // A widened box may begin before the place where the line starts in single precision.
@@ -461,10 +425,8 @@ HWY_EXPORT(traceDepths);
 HWY_EXPORT(traceBlocked);
 HWY_EXPORT(visitBlocks);
 
-void
-traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-          BlendedHit* hits, RayCounts& counts)
-{
+void traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+               std::size_t count, BlendedHit* hits, RayCounts& counts) {
   if (scene.tree.empty()) {
     std::fill(hits, hits + count, BlendedHit());
     return;
@@ -472,19 +434,15 @@ traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, 
   HWY_DYNAMIC_DISPATCH(traceHits)(scene, rules, rays, count, hits, counts);
 }
 
-void
-traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-            double* depths, RayCounts& counts)
-{
+void traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                 std::size_t count, double* depths, RayCounts& counts) {
   std::fill(depths, depths + count, HUGE_VAL);
   if (scene.tree.empty()) return;
   HWY_DYNAMIC_DISPATCH(traceDepths)(scene, rules, rays, count, depths, counts);
 }
 
-void
-traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
-             std::size_t count, std::uint8_t* blocked, RayCounts& counts)
-{
+void traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                  std::size_t count, std::uint8_t* blocked, RayCounts& counts) {
   if (scene.tree.empty()) {
     std::fill(blocked, blocked + count, std::uint8_t{0});
     return;
@@ -492,10 +450,8 @@ traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* ray
   HWY_DYNAMIC_DISPATCH(traceBlocked)(scene, rules, rays, count, blocked, counts);
 }
 
-void
-visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
-            const BlockVisitor& visitor, std::uint64_t& nodes)
-{
+void visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
+                 const BlockVisitor& visitor, std::uint64_t& nodes) {
   if (!tree.empty()) HWY_DYNAMIC_DISPATCH(visitBlocks)(tree, ray, width, visitor, nodes);
 }
 

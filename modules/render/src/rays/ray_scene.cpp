@@ -32,9 +32,7 @@ struct Split {
 };
 
 /** \brief Blocks that a number of things fill: half empty ones cost as much as full ones. */
-double
-blocksOf(std::uint32_t count)
-{
+double blocksOf(std::uint32_t count) {
   return static_cast<double>((count + kWide - 1) / kWide);
 }
 
@@ -47,8 +45,7 @@ struct Part {
 
 class Builder {
  public:
-  Builder(const std::vector<Box>& hit, const std::vector<Box>& reach) : hit_(hit), reach_(reach)
-  {
+  Builder(const std::vector<Box>& hit, const std::vector<Box>& reach) : hit_(hit), reach_(reach) {
     ids_.resize(hit.size());
     for (std::size_t i = 0; i < hit.size(); ++i) ids_[i] = static_cast<std::uint32_t>(i);
     all_ = boxed(0, static_cast<std::uint32_t>(hit.size()));
@@ -62,8 +59,7 @@ class Builder {
   WideTree build(int threads);
 
  private:
-  float middle(std::uint32_t id, int axis) const
-  {
+  float middle(std::uint32_t id, int axis) const {
     return 0.5f * (hit_[id].low[axis] + hit_[id].high[axis]);
   }
   Range boxed(std::uint32_t begin, std::uint32_t end) const;
@@ -82,17 +78,13 @@ class Builder {
   float margin_ = 0.0f;
 };
 
-Range
-Builder::boxed(std::uint32_t begin, std::uint32_t end) const
-{
+Range Builder::boxed(std::uint32_t begin, std::uint32_t end) const {
   Range range{begin, end, Box()};
   for (std::uint32_t i = begin; i < end; ++i) range.box.add(hit_[ids_[i]]);
   return range;
 }
 
-Split
-Builder::bestAlong(const Range& range, int axis) const
-{
+Split Builder::bestAlong(const Range& range, int axis) const {
   float low = Box::kFar, high = -Box::kFar;
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     low = std::min(low, middle(ids_[i], axis));
@@ -128,10 +120,9 @@ Builder::bestAlong(const Range& range, int axis) const
   return best;
 }
 
-/** \brief Cuts a range in two where that is cheapest; it keeps the first half. \return the second. */
-Range
-Builder::cut(Range& range, bool evenly)
-{
+/** \brief Cuts a range in two where that is cheapest; it keeps the first half. \return the second.
+ */
+Range Builder::cut(Range& range, bool evenly) {
   Split best;
   for (int axis = 0; axis < 3 && !evenly; ++axis) {
     const Split split = bestAlong(range, axis);
@@ -150,9 +141,7 @@ Builder::cut(Range& range, bool evenly)
 }
 
 /** \brief Cuts the largest of a node's ranges until there are eight or all fit into blocks. */
-std::vector<Range>
-Builder::children(const Range& range, int level)
-{
+std::vector<Range> Builder::children(const Range& range, int level) {
   std::vector<Range> ranges{range};
   while (ranges.size() < kWide) {
     std::size_t largest = ranges.size();
@@ -169,27 +158,21 @@ Builder::children(const Range& range, int level)
   return ranges;
 }
 
-void
-Builder::setBox(WideBoxes& boxes, std::size_t k, const Box& box) const
-{
+void Builder::setBox(WideBoxes& boxes, std::size_t k, const Box& box) const {
   for (std::size_t a = 0; a < 3; ++a) {
     boxes.bound[2 * a][k] = box.low[a] - margin_;
     boxes.bound[2 * a + 1][k] = box.high[a] + margin_;
   }
 }
 
-Box
-Builder::reachOf(const Range& range) const
-{
+Box Builder::reachOf(const Range& range) const {
   Box box;
   for (std::uint32_t i = range.begin; i < range.end; ++i) box.add(reach_[ids_[i]]);
   return box;
 }
 
 /** \brief Appends a node with the boxes of its children, which are yet to come. */
-std::uint32_t
-Builder::addNode(const std::vector<Range>& ranges, Part& part)
-{
+std::uint32_t Builder::addNode(const std::vector<Range>& ranges, Part& part) {
   WideNode node;
   WideBoxes reach;
   for (std::size_t k = 0; k < kWide; ++k) {
@@ -203,9 +186,7 @@ Builder::addNode(const std::vector<Range>& ranges, Part& part)
   return static_cast<std::uint32_t>(part.nodes.size() - 1);
 }
 
-std::uint32_t
-Builder::addBlock(const Range& range, Part& part) const
-{
+std::uint32_t Builder::addBlock(const Range& range, Part& part) const {
   const std::size_t block = part.order.size() / kWide;
   for (std::uint32_t k = 0; k < kWide; ++k) {
     part.order.push_back(k < range.size() ? ids_[range.begin + k] : WideTree::kNothing);
@@ -213,9 +194,7 @@ Builder::addBlock(const Range& range, Part& part) const
   return static_cast<std::uint32_t>(block) | WideNode::kBlock;
 }
 
-std::uint32_t
-Builder::addSubtree(const Range& range, int level, Part& part)
-{
+std::uint32_t Builder::addSubtree(const Range& range, int level, Part& part) {
   if (range.size() <= kWide) return addBlock(range, part);
   const std::vector<Range> ranges = children(range, level);
   const std::uint32_t node = addNode(ranges, part);
@@ -227,9 +206,7 @@ Builder::addSubtree(const Range& range, int level, Part& part)
 }
 
 /** \brief Appends a part to the tree. \return its root there. */
-std::uint32_t
-append(Part& part, std::uint32_t root, WideTree& tree)
-{
+std::uint32_t append(Part& part, std::uint32_t root, WideTree& tree) {
   const auto first_node = static_cast<std::uint32_t>(tree.nodes.size());
   const auto first_block = static_cast<std::uint32_t>(tree.numBlocks());
   const auto moved = [&](std::uint32_t child) {
@@ -245,9 +222,7 @@ append(Part& part, std::uint32_t root, WideTree& tree)
   return moved(root);
 }
 
-WideTree
-Builder::build(int threads)
-{
+WideTree Builder::build(int threads) {
   WideTree tree;
   tree.bounds = all_.box;
   const std::vector<Range> ranges = children(all_, 0);
@@ -268,26 +243,20 @@ Builder::build(int threads)
 
 }  // namespace
 
-void
-Box::add(const Box& other)
-{
+void Box::add(const Box& other) {
   for (int a = 0; a < 3; ++a) {
     low[a] = std::min(low[a], other.low[a]);
     high[a] = std::max(high[a], other.high[a]);
   }
 }
 
-double
-Box::area() const
-{
+double Box::area() const {
   const double x = double{high[0]} - low[0], y = double{high[1]} - low[1],
                z = double{high[2]} - low[2];
   return x >= 0.0 ? x * y + y * z + z * x : 0.0;
 }
 
-WideTree
-buildWideTree(const std::vector<Box>& hit, const std::vector<Box>& reach, int threads)
-{
+WideTree buildWideTree(const std::vector<Box>& hit, const std::vector<Box>& reach, int threads) {
   if (hit.empty()) return {};
   return Builder(hit, reach).build(threads);
 }
@@ -298,8 +267,7 @@ namespace {
 struct HeightRange {
   double low, high;
 
-  HeightRange(const SLIMSurface& surface, std::size_t i, double a)
-  {
+  HeightRange(const SLIMSurface& surface, std::size_t i, double a) {
     const float* c = surface.coefficientsOf(i);
     const double slope = a * std::hypot(c[1], c[2]);
     low = c[0] - slope;
@@ -322,9 +290,7 @@ struct HeightRange {
 
 }  // namespace
 
-Box
-boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack)
-{
+Box boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack) {
   const HeightRange heights(surface, i, share);
   const double low = std::clamp(heights.low - slack, -share, share);
   const double high = std::clamp(heights.high + slack, -share, share);
@@ -343,8 +309,7 @@ boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack)
 }
 
 LeafBlocks::LeafBlocks(const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves,
-                       const std::vector<std::uint32_t>& order)
-{
+                       const std::vector<std::uint32_t>& order) {
   const auto coefficients = static_cast<std::size_t>(std::max(6, surface.stride()));
   stride_ = kWide * (kBlockCoefficients + coefficients);
   const std::size_t blocks = order.size() / kWide;
@@ -360,9 +325,7 @@ LeafBlocks::LeafBlocks(const SLIMSurface& surface, const std::vector<std::uint32
   }
 }
 
-void
-LeafBlocks::fill(const SLIMSurface& surface, const std::uint32_t* surfels, std::size_t block)
-{
+void LeafBlocks::fill(const SLIMSurface& surface, const std::uint32_t* surfels, std::size_t block) {
   constexpr float kFarAway = 1e15f;  // its square is still finite
   Head& head = heads_[block];
   float* lanes = columns_.data() + block * stride_;
@@ -398,8 +361,7 @@ LeafBlocks::fill(const SLIMSurface& surface, const std::uint32_t* surfels, std::
 RayScene::RayScene(const SLIMSurface& s, int threads)
     : surface(s),
       shrink(std::clamp(s.info.cover_radius, 0.05, kMaxShrink)),
-      cover_radius(std::clamp(s.info.cover_radius, 0.05, 1.0))
-{
+      cover_radius(std::clamp(s.info.cover_radius, 0.05, 1.0)) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<Box> hit(leaves.size()), reach(leaves.size());
   parallelFor(leaves.size(), threads, 1024, [&](std::size_t i, int) {
@@ -410,11 +372,10 @@ RayScene::RayScene(const SLIMSurface& s, int threads)
   blocks = LeafBlocks(surface, leaves, tree.order);
 }
 
-bool
-closesGap(const BlendSum& sum, const Vector3& direction)
-{
-  // In the rim of balls weights fall steeply, so that the nearest leaf outweighs all others: leaves count
-  // alike here. At the rim of a sheet they are on one side, .5 radii away and more in the mean.
+bool closesGap(const BlendSum& sum, const Vector3& direction) {
+  // In the rim of balls weights fall steeply, so that the nearest leaf outweighs all others: leaves
+  // count alike here. At the rim of a sheet they are on one side, .5 radii away and more in the
+  // mean.
   constexpr double kMaxSpread = 0.3, kAgreement = 0.8, kLeastCosine = 0.4;
   constexpr int kLeastLeaves = 3;
   if (isOutside(sum)) return false;
@@ -425,9 +386,7 @@ closesGap(const BlendSum& sum, const Vector3& direction)
          size > kAgreement * sum.weight && std::abs(dot(gradient, direction)) > kLeastCosine * size;
 }
 
-RayCounts&
-RayCounts::operator+=(const RayCounts& other)
-{
+RayCounts& RayCounts::operator+=(const RayCounts& other) {
   nodes += other.nodes;
   leaves_first += other.leaves_first;
   leaves_blend += other.leaves_blend;

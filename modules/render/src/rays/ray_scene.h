@@ -27,7 +27,8 @@ struct Box {
   static constexpr float kFar = std::numeric_limits<float>::infinity();
 };
 
-/** \brief Boxes of a node's children side by side; row 2 a is low, row 2 a + 1 high along axis a. */
+/** \brief Boxes of a node's children side by side; row 2 a is low, row 2 a + 1 high along axis a.
+ */
 struct WideBoxes {
   alignas(64) float bound[6][kWide];
 };
@@ -43,8 +44,9 @@ struct WideNode {
 
 /** \brief A tree with eight children a node over boxes in blocks of eight, for one ray at a time.
  *
- * It is a tree apart from BlockTree, which groups neighbours along a Morton curve and so finds blocks in
- * ascending order: with such groups rays look at twice the nodes and take 1.4 times as long.
+ * It is a tree apart from BlockTree, which groups neighbours along a Morton curve and so finds
+ * blocks in ascending order: with such groups rays look at twice the nodes and take 1.4 times as
+ * long.
  *
  * Each thing has two boxes: one in which rays meet it, and a wider one in which it takes part in a
  * blend. Node 0 is the root. Boxes are wider than given by more than the rounding of a ray in
@@ -62,10 +64,9 @@ struct WideTree {
   bool empty() const { return nodes.empty(); }
 };
 
-/** \brief Builds the tree by the surface area heuristic in bins. O(n log n); the same for any number
- * of threads. \param[in] hit, reach finite boxes, one of each per thing */
-WideTree
-buildWideTree(const std::vector<Box>& hit, const std::vector<Box>& reach, int threads);
+/** \brief Builds the tree by the surface area heuristic in bins. O(n log n); the same for any
+ * number of threads. \param[in] hit, reach finite boxes, one of each per thing */
+WideTree buildWideTree(const std::vector<Box>& hit, const std::vector<Box>& reach, int threads);
 
 /** \brief Columns of a block of leaves, kWide values each; the coefficients follow. */
 enum LeafColumn : std::size_t {
@@ -83,8 +84,8 @@ enum LeafColumn : std::size_t {
 
 /** \brief Leaves of a surface in blocks of eight, columns side by side, for vector lanes.
  *
- * Centres count from a point of each block's own, so that single precision is as fine as the leaves.
- * Lanes without a leaf contain a ball that no ray meets.
+ * Centres count from a point of each block's own, so that single precision is as fine as the
+ * leaves. Lanes without a leaf contain a ball that no ray meets.
  */
 class LeafBlocks {
  public:
@@ -114,8 +115,7 @@ class LeafBlocks {
 
 /** \brief The box of a leaf's surface where it is inside the ball of a share of its radius, at
  * most slack radii off the surface. */
-Box
-boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack);
+Box boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack);
 
 /** \brief A surface's leaves under a tree, as rays meet them; local units. */
 struct RayScene {
@@ -177,35 +177,31 @@ struct RayCounts {
   RayCounts& operator+=(const RayCounts& other);
 };
 
-/** \brief Whether a blend outside of all shrunk balls closes a gap in a sheet: leaves are all around it,
- * point one way and face the ray. Across a slit they face each other, and at a silhouette they are on
- * one side and aslant. */
-bool
-closesGap(const BlendSum& sum, const Vector3& direction);
+/** \brief Whether a blend outside of all shrunk balls closes a gap in a sheet: leaves are all
+ * around it, point one way and face the ray. Across a slit they face each other, and at a
+ * silhouette they are on one side and aslant. */
+bool closesGap(const BlendSum& sum, const Vector3& direction);
 
 namespace kernels {
 
 /** \brief The first place of each ray at which the blend of leaves belongs to the surface: q^ and
  * the sums there, as the reference rasteriser's in every rule but close_gaps. */
-void
-traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-          BlendedHit* hits, RayCounts& counts);
+void traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+               std::size_t count, BlendedHit* hits, RayCounts& counts);
 
-/** \brief Depths of the first roots inside shrunk balls alone, without a look at the blend there. */
-void
-traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
-            double* depths, RayCounts& counts);
+/** \brief Depths of the first roots inside shrunk balls alone, without a look at the blend there.
+ */
+void traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                 std::size_t count, double* depths, RayCounts& counts);
 
 /** \brief Whether the surface intersects the stretch of each ray: a root of a leaf at which
  * the blend belongs to the surface. front_only has no effect here. */
-void
-traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
-             std::size_t count, std::uint8_t* blocked, RayCounts& counts);
+void traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
+                  std::size_t count, std::uint8_t* blocked, RayCounts& counts);
 
 /** \brief Visits the blocks whose widened box a ray meets, roughly from near to far. */
-void
-visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
-            const BlockVisitor& visitor, std::uint64_t& nodes);
+void visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
+                 const BlockVisitor& visitor, std::uint64_t& nodes);
 
 }  // namespace kernels
 }  // namespace pcl_slim::detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers as colours: the maps, the range of a picture, and its bar with numbers and unit in the margin.
+// Numbers as colours: the maps, the range of a picture, and its bar with numbers and unit in the
+// margin.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,9 +20,7 @@ namespace {
 
 /** \brief Linear interpolation in a table of evenly spaced colours, x in [0, 1]. */
 template <std::size_t N>
-Color
-interpolate(const std::array<Color, N>& table, double x)
-{
+Color interpolate(const std::array<Color, N>& table, double x) {
   const double position = std::clamp(std::isnan(x) ? 0.0 : x, 0.0, 1.0) * (N - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(position), N - 2);
   const auto t = static_cast<float>(position - static_cast<double>(i));
@@ -32,9 +31,7 @@ interpolate(const std::array<Color, N>& table, double x)
 
 }  // namespace
 
-Color
-divergingColor(double x)
-{
+Color divergingColor(double x) {
   static constexpr std::array<Color, 7> kTable{{{0.10f, 0.20f, 0.56f},
                                                 {0.22f, 0.46f, 0.80f},
                                                 {0.60f, 0.76f, 0.92f},
@@ -45,9 +42,7 @@ divergingColor(double x)
   return interpolate(kTable, 0.5 + 0.5 * x);
 }
 
-Color
-perceptualColor(double x)
-{
+Color perceptualColor(double x) {
   // Lightness rises evenly from 15 to 91 (CIE L*).
   static constexpr std::array<Color, 7> kTable{{{0.16f, 0.08f, 0.36f},
                                                 {0.18f, 0.25f, 0.51f},
@@ -59,9 +54,7 @@ perceptualColor(double x)
   return interpolate(kTable, x);
 }
 
-Color
-sizeColor(double x)
-{
+Color sizeColor(double x) {
   static constexpr std::array<Color, 5> kTable{{{0.80f, 0.16f, 0.15f},
                                                 {0.95f, 0.62f, 0.22f},
                                                 {0.88f, 0.86f, 0.52f},
@@ -70,9 +63,7 @@ sizeColor(double x)
   return interpolate(kTable, x);
 }
 
-Color
-categoryColor(std::uint32_t category)
-{
+Color categoryColor(std::uint32_t category) {
   static constexpr std::array<Color, 10> kTable{{{0.27f, 0.47f, 0.72f},
                                                  {0.93f, 0.55f, 0.24f},
                                                  {0.36f, 0.66f, 0.38f},
@@ -89,17 +80,13 @@ categoryColor(std::uint32_t category)
 namespace {
 
 /** \brief The level at a share of a range of levels. */
-std::uint32_t
-levelAtShare(const ShadingRange& range, double share)
-{
+std::uint32_t levelAtShare(const ShadingRange& range, double share) {
   const double level = range.low + share * (range.high - range.low);
   return static_cast<std::uint32_t>(std::lround(std::max(0.0, level)));
 }
 
 /** \brief The colour of a share of the range, 0 its lower end. */
-Color
-colorAtShare(const ShadingParams& params, const ShadingRange& range, double share)
-{
+Color colorAtShare(const ShadingParams& params, const ShadingRange& range, double share) {
   if (params.mode == ShadingMode::kLevel) return categoryColor(levelAtShare(range, share));
   if (params.map == ColorMap::kPerceptual) return perceptualColor(share);
   if (params.map == ColorMap::kDiverging) return divergingColor(2.0 * share - 1.0);
@@ -112,9 +99,7 @@ colorAtShare(const ShadingParams& params, const ShadingRange& range, double shar
 
 namespace detail {
 
-double
-valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale)
-{
+double valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale) {
   switch (mode) {
     case ShadingMode::kMean: return buffer.mean_curvature[pixel] / scale;
     case ShadingMode::kGaussian: return buffer.gaussian_curvature[pixel] / (scale * scale);
@@ -125,9 +110,7 @@ valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale
   }
 }
 
-Color
-colorOf(const ShadingParams& params, const ShadingRange& range, double value)
-{
+Color colorOf(const ShadingParams& params, const ShadingRange& range, double value) {
   double low = range.low, high = range.high;
   if (range.logarithmic) {
     low = std::log(low);
@@ -137,9 +120,7 @@ colorOf(const ShadingParams& params, const ShadingRange& range, double value)
   return colorAtShare(params, range, high > low ? (value - low) / (high - low) : 0.5);
 }
 
-bool
-wantsAmbientOcclusion(const ShadingParams& params)
-{
+bool wantsAmbientOcclusion(const ShadingParams& params) {
   return params.ambient_occlusion > 0.0 && params.lighting && params.mode != ShadingMode::kNormal &&
          params.mode != ShadingMode::kReflection;
 }
@@ -149,26 +130,21 @@ wantsAmbientOcclusion(const ShadingParams& params)
 namespace {
 
 /** \brief The value below which a share of the values is; 0 when there are none. */
-double
-quantile(const std::vector<double>& values, double share)
-{
+double quantile(const std::vector<double>& values, double share) {
   if (values.empty()) return 0.0;
   return kthSmallest(values,
                      static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
-/** \brief Whether a mode's values come with both signs, so that 0 is the middle of their colours. */
-bool
-isSigned(ShadingMode mode)
-{
+/** \brief Whether a mode's values come with both signs, so that 0 is the middle of their colours.
+ */
+bool isSigned(ShadingMode mode) {
   return mode != ShadingMode::kSize && mode != ShadingMode::kError;
 }
 
 /** \brief The range of a picture's values, but for outliers. */
-void
-setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
-               ShadingRange& range)
-{
+void setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
+                    ShadingRange& range) {
   std::vector<double> values;
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
     if (!buffer.covered(i)) continue;
@@ -187,9 +163,7 @@ setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
 }
 
 /** \brief Half a level past those that a picture shows; level 1 if it shows none. */
-ShadingRange
-levelsOf(const GBuffer& buffer)
-{
+ShadingRange levelsOf(const GBuffer& buffer) {
   ShadingRange range{HUGE_VAL, -HUGE_VAL, false};
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
     if (!buffer.covered(i)) continue;
@@ -201,15 +175,11 @@ levelsOf(const GBuffer& buffer)
 
 }  // namespace
 
-bool
-hasColorBar(ShadingMode mode)
-{
+bool hasColorBar(ShadingMode mode) {
   return showsNumbers(mode) || mode == ShadingMode::kLevel;
 }
 
-bool
-showsNumbers(ShadingMode mode)
-{
+bool showsNumbers(ShadingMode mode) {
   switch (mode) {
     case ShadingMode::kMean:
     case ShadingMode::kGaussian:
@@ -221,9 +191,7 @@ showsNumbers(ShadingMode mode)
   }
 }
 
-unsigned
-columnsFor(const ShadingParams& params)
-{
+unsigned columnsFor(const ShadingParams& params) {
   unsigned columns = 0;
   if (detail::wantsAmbientOcclusion(params)) columns |= kPositionColumn;
   switch (params.mode) {
@@ -239,9 +207,7 @@ columnsFor(const ShadingParams& params)
   }
 }
 
-ShadingRange
-rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale)
-{
+ShadingRange rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale) {
   ShadingRange range;
   range.logarithmic = params.mode == ShadingMode::kSize;
   if (range.logarithmic) range.low = 0.5;
@@ -268,10 +234,9 @@ struct PixelGlyph {
   bool dot(int column, int row) const { return (rows[row] >> (kWidth - 1 - column) & 1) != 0; }
 };
 
-/** \brief The letter for digits, signs, lower-case letters and the capitals of titles; others are blank. */
-PixelGlyph
-glyphOf(char c)
-{
+/** \brief The letter for digits, signs, lower-case letters and the capitals of titles; others are
+ * blank. */
+PixelGlyph glyphOf(char c) {
   struct Entry {
     char letter;
     PixelGlyph glyph;
@@ -335,17 +300,13 @@ struct BarLayout {
         left(image_width - letter * 78),
         top(image_height / 5),
         width(letter * 14),
-        height(image_height - 2 * (image_height / 5))
-  {
-  }
+        height(image_height - 2 * (image_height / 5)) {}
 
   int pad() const { return 4 * letter; }
   bool fits() const { return left >= 3 * pad() && height >= 40 * letter; }
 };
 
-void
-paint(Image& image, int x, int y, const Color& color, float share)
-{
+void paint(Image& image, int x, int y, const Color& color, float share) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   const std::size_t at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                               static_cast<std::size_t>(x));
@@ -355,9 +316,7 @@ paint(Image& image, int x, int y, const Color& color, float share)
   }
 }
 
-void
-paintText(Image& image, int x, int y, int letter, const std::string& text)
-{
+void paintText(Image& image, int x, int y, int letter, const std::string& text) {
   constexpr Color kInk{0.1f, 0.1f, 0.1f};
   for (const char c : text) {
     const PixelGlyph glyph = glyphOf(c);
@@ -370,17 +329,13 @@ paintText(Image& image, int x, int y, int letter, const std::string& text)
   }
 }
 
-std::string
-numberText(double value)
-{
+std::string numberText(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
 }
 
-std::string
-titleOf(ShadingMode mode)
-{
+std::string titleOf(ShadingMode mode) {
   switch (mode) {
     case ShadingMode::kMean: return "mean";
     case ShadingMode::kGaussian: return "Gauss";
@@ -392,9 +347,7 @@ titleOf(ShadingMode mode)
   }
 }
 
-std::string
-unitOf(const ShadingParams& params)
-{
+std::string unitOf(const ShadingParams& params) {
   std::string length = params.unit.empty() ? "length" : params.unit;
   switch (params.mode) {
     case ShadingMode::kGaussian: return "1/" + length + "^2";
@@ -409,9 +362,7 @@ constexpr int kLine = PixelGlyph::kHeight + 3;  ///< dots from one line of text 
 constexpr Color kFrame{0.25f, 0.25f, 0.25f};
 
 /** \brief Makes the picture paler behind the bar and its text. */
-void
-paintPaper(const BarLayout& at, Image& image)
-{
+void paintPaper(const BarLayout& at, Image& image) {
   constexpr Color kPaper{1.0f, 1.0f, 1.0f};
   const int line = kLine * at.letter, pad = at.pad();
   for (int y = at.top - 3 * line - pad; y < at.top + at.height + line; ++y) {
@@ -419,10 +370,8 @@ paintPaper(const BarLayout& at, Image& image)
   }
 }
 
-void
-paintColors(const BarLayout& at, const ShadingParams& params, const ShadingRange& range,
-            Image& image)
-{
+void paintColors(const BarLayout& at, const ShadingParams& params, const ShadingRange& range,
+                 Image& image) {
   for (int y = 0; y < at.height; ++y) {
     const Color color = colorAtShare(params, range, 1.0 - (y + 0.5) / at.height);
     for (int x = 0; x < at.width; ++x) {
@@ -432,9 +381,7 @@ paintColors(const BarLayout& at, const ShadingParams& params, const ShadingRange
   }
 }
 
-void
-paintTick(const BarLayout& at, const std::string& number, double share, Image& image)
-{
+void paintTick(const BarLayout& at, const std::string& number, double share, Image& image) {
   const int y = at.top + static_cast<int>(std::lround((1.0 - share) * (at.height - 1)));
   const int right = at.left + at.width;
   for (int x = 0; x < 3 * at.letter; ++x) paint(image, right + x, y, kFrame, 1.0f);
@@ -442,9 +389,7 @@ paintTick(const BarLayout& at, const std::string& number, double share, Image& i
 }
 
 /** \brief Five numbers, evenly spaced. */
-void
-paintNumbers(const BarLayout& at, const ShadingRange& range, Image& image)
-{
+void paintNumbers(const BarLayout& at, const ShadingRange& range, Image& image) {
   constexpr int kTicks = 5;
   for (int tick = 0; tick < kTicks; ++tick) {
     const double share = tick / (kTicks - 1.0);
@@ -455,9 +400,7 @@ paintNumbers(const BarLayout& at, const ShadingRange& range, Image& image)
 }
 
 /** \brief Numbers in the middle of each level's colour, at most ten. */
-void
-paintLevels(const BarLayout& at, const ShadingRange& range, Image& image)
-{
+void paintLevels(const BarLayout& at, const ShadingRange& range, Image& image) {
   constexpr int kMostNumbers = 10;
   const int count = static_cast<int>(std::lround(range.high - range.low));
   const int step = (count + kMostNumbers - 1) / kMostNumbers;
@@ -469,16 +412,12 @@ paintLevels(const BarLayout& at, const ShadingRange& range, Image& image)
 
 }  // namespace
 
-double
-colorBarShare(const ImageSize& size)
-{
+double colorBarShare(const ImageSize& size) {
   const BarLayout at(size.width, size.height);
   return at.fits() ? static_cast<double>(size.width - at.left + at.pad()) / size.width : 0.0;
 }
 
-void
-addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image)
-{
+void addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image) {
   const BarLayout at(image.width, image.height);
   if (!hasColorBar(params.mode) || !at.fits()) return;
   paintPaper(at, image);

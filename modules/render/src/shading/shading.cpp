@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A frame's colours: of the surface itself, by light and shade; and pictures averaged over shifted frames.
+// A frame's colours: of the surface itself, by light and shade; and pictures averaged over shifted
+// frames.
 #include "pcl_slim/render/shading.h"
 
 #include <algorithm>
@@ -26,8 +27,7 @@ struct PixelBlock {
   std::array<std::size_t, SurfaceProbe::kMost> pixels;
   std::size_t count = 0;
 
-  PixelBlock(const GBuffer& buffer, int x0, int y0)
-  {
+  PixelBlock(const GBuffer& buffer, int x0, int y0) {
     for (int y = y0; y < std::min(buffer.height, y0 + kSide); ++y) {
       for (int x = x0; x < std::min(buffer.width, x0 + kSide); ++x) {
         const std::size_t pixel = buffer.index(x, y);
@@ -45,9 +45,7 @@ struct PixelBlock {
 
 }  // namespace
 
-void
-SurfacePainter::paint(int threads, GBuffer& buffer)
-{
+void SurfacePainter::paint(int threads, GBuffer& buffer) {
   buffer.color.clear();
   if (!surface_.hasColors()) return;
   if (!index_) index_ = std::make_unique<ProbeIndex>(surface_);
@@ -88,9 +86,7 @@ struct Offset {
 };
 using Spiral = std::array<Offset, kSamples>;
 
-std::array<Spiral, kPatterns>
-makeSpirals(double reach)
-{
+std::array<Spiral, kPatterns> makeSpirals(double reach) {
   std::array<Spiral, kPatterns> spirals;
   for (int p = 0; p < kPatterns; ++p) {
     // Steps of 7 spread neighbouring rotations over the 4 x 4 pattern.
@@ -107,9 +103,7 @@ makeSpirals(double reach)
 }
 
 /** \brief How much one neighbour hides: its elevation over the tangent plane, faded by distance. */
-float
-hiddenBy(const GBuffer& buffer, std::size_t pixel, std::size_t other, float reach)
-{
+float hiddenBy(const GBuffer& buffer, std::size_t pixel, std::size_t other, float reach) {
   const auto &p = buffer.position[pixel], &q = buffer.position[other], &n = buffer.normal[pixel];
   const float d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
   const float distance_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -120,9 +114,7 @@ hiddenBy(const GBuffer& buffer, std::size_t pixel, std::size_t other, float reac
 }
 
 /** \brief Local length of a pixel at the object: from neighbouring positions, robustly. */
-float
-pixelLength(const GBuffer& buffer)
-{
+float pixelLength(const GBuffer& buffer) {
   std::vector<float> steps;
   for (int y = 0; y < buffer.height; y += 4) {
     for (int x = 0; x + 1 < buffer.width; x += 4) {
@@ -142,9 +134,7 @@ pixelLength(const GBuffer& buffer)
  * how far they rise over the pixel's tangent plane; neighbours much nearer to the viewer belong
  * to other parts and fade out. A depth cue, not a light simulation. O(pixels).
  */
-std::vector<float>
-ambientOcclusion(const GBuffer& buffer, int threads)
-{
+std::vector<float> ambientOcclusion(const GBuffer& buffer, int threads) {
   std::vector<float> open(buffer.numPixels(), 1.0f);
   const double reach_pixels = std::max(2.0, kReach * std::min(buffer.width, buffer.height));
   const float reach = static_cast<float>(reach_pixels) * pixelLength(buffer);
@@ -173,8 +163,7 @@ struct LightRig {
   Vector3 head, key, sky, right;
   CameraRays rays;
 
-  explicit LightRig(const Camera& camera) : rays(camera, {0.0, 0.0, 0.0}, 1.0)
-  {
+  explicit LightRig(const Camera& camera) : rays(camera, {0.0, 0.0, 0.0}, 1.0) {
     const CameraAxes axes(camera);
     head = scaled(axes.forward, -1.0);
     key = normalized(along(along(scaled(axes.right, -0.55), 0.75, axes.up), -0.65, axes.forward));
@@ -190,8 +179,7 @@ constexpr Color kClayBack{0.52f, 0.56f, 0.64f};  ///< the inner side, where both
 struct Light {
   double diffuse, specular;
 
-  Light(const LightRig& rig, const Vector3& normal, const Vector3& ray)
-  {
+  Light(const LightRig& rig, const Vector3& normal, const Vector3& ray) {
     const Vector3 to_viewer = scaled(ray, -1.0);
     const Vector3 half = normalized(along(rig.key, 1.0, to_viewer));
     const double key = std::max(0.0, dot(normal, rig.key));
@@ -201,10 +189,8 @@ struct Light {
   }
 };
 
-Color
-baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
-          const ShadingRange& range, double scale)
-{
+Color baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
+                const ShadingRange& range, double scale) {
   if (showsNumbers(params.mode)) {
     return colorOf(params, range, valueAt(buffer, pixel, params.mode, scale));
   }
@@ -215,10 +201,9 @@ baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
   }
 }
 
-/** \brief Vertical stripes of light, far away all around the viewer, as the surface mirrors them. */
-Color
-mirroredStripes(const LightRig& rig, const Vector3& normal, const Vector3& ray)
-{
+/** \brief Vertical stripes of light, far away all around the viewer, as the surface mirrors them.
+ */
+Color mirroredStripes(const LightRig& rig, const Vector3& normal, const Vector3& ray) {
   constexpr double kStripes = 12.0;  ///< phase per radian
   constexpr double kEdge = 0.15;     ///< of a stripe, by the sine of its phase
   constexpr Color kDark{0.08f, 0.09f, 0.12f};
@@ -231,17 +216,13 @@ mirroredStripes(const LightRig& rig, const Vector3& normal, const Vector3& ray)
   return toLinear(color);
 }
 
-Color
-normalColor(const std::array<float, 3>& n)
-{
+Color normalColor(const std::array<float, 3>& n) {
   return toLinear({0.5f * n[0] + 0.5f, 0.5f * n[1] + 0.5f, 0.5f * n[2] + 0.5f});
 }
 
 /** \brief Light of one covered pixel. */
-Color
-litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig& rig,
-         const ShadingParams& params, const ShadingRange& range, double scale, float open)
-{
+Color litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig& rig,
+               const ShadingParams& params, const ShadingRange& range, double scale, float open) {
   const auto& n = buffer.normal[pixel];
   if (params.mode == ShadingMode::kNormal) return normalColor(n);
   const Vector3 normal{n[0], n[1], n[2]}, ray = rig.rays.ray(x, y).direction;
@@ -263,27 +244,21 @@ litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig&
 
 }  // namespace
 
-std::string
-nameOf(ShadingMode mode)
-{
+std::string nameOf(ShadingMode mode) {
   static const std::array<const char*, 11> kNames{"shaded", "normal",     "mean",  "gauss",
                                                   "kmax",   "kmin",       "level", "size",
                                                   "error",  "reflection", "color"};
   return kNames[static_cast<std::size_t>(mode)];
 }
 
-std::optional<ShadingMode>
-shadingModeOf(const std::string& name)
-{
+std::optional<ShadingMode> shadingModeOf(const std::string& name) {
   for (int k = 0; k <= static_cast<int>(ShadingMode::kColor); ++k) {
     if (nameOf(static_cast<ShadingMode>(k)) == name) return static_cast<ShadingMode>(k);
   }
   return std::nullopt;
 }
 
-Error
-ShadingParams::validate() const
-{
+Error ShadingParams::validate() const {
   const auto bad = [](const char* what) { return Error{ErrorCode::kBadArgument, what}; };
   if (!(std::isfinite(range[0]) && std::isfinite(range[1]) && range[0] <= range[1])) {
     return bad("the colour range must be two finite numbers, the lower one first");
@@ -302,10 +277,9 @@ ShadingParams::validate() const
   return checkThreads(threads);
 }
 
-std::vector<Color>
-shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
-            const ShadingRange& range, double scale)
-{
+std::vector<Color> shadeLinear(const GBuffer& buffer, const Camera& camera,
+                               const ShadingParams& params, const ShadingRange& range,
+                               double scale) {
   const int threads = resolveThreads(params.threads);
   const LightRig rig(camera);
   std::vector<float> open(buffer.numPixels(), 1.0f);
@@ -327,9 +301,7 @@ shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& pa
 
 namespace {
 
-Image
-toImage(const std::vector<Color>& sums, const ImageSize& size, int samples, int threads)
-{
+Image toImage(const std::vector<Color>& sums, const ImageSize& size, int samples, int threads) {
   Image image;
   image.width = size.width;
   image.height = size.height;
@@ -344,9 +316,8 @@ toImage(const std::vector<Color>& sums, const ImageSize& size, int samples, int 
 /** \brief Renders supersampling^2 shifted frames and averages them.
  * \param[in] render Error(const Camera&, GBuffer&); \param[in] scale world units per local unit */
 template <typename Render>
-Result<Image>
-averageFrames(const Camera& camera, const ShadingParams& params, double scale, const Render& render)
-{
+Result<Image> averageFrames(const Camera& camera, const ShadingParams& params, double scale,
+                            const Render& render) {
   const int n = params.supersampling;
   std::vector<Color> sums;
   ShadingRange range;
@@ -367,17 +338,13 @@ averageFrames(const Camera& camera, const ShadingParams& params, double scale, c
   return image;
 }
 
-Error
-noColors()
-{
+Error noColors() {
   return {ErrorCode::kBadArgument,
           "the surface has no colours; fit a coloured scan, or choose another mode than color"};
 }
 
 /** \brief Names what a mode needs and a buffer was made without. */
-Error
-lacksColumns(const GBuffer& buffer, const ShadingParams& params)
-{
+Error lacksColumns(const GBuffer& buffer, const ShadingParams& params) {
   const unsigned needed = columnsFor(params);
   const std::size_t n = buffer.numPixels();
   const bool complete = ((needed & kPositionColumn) == 0 || buffer.position.size() == n) &&
@@ -391,9 +358,8 @@ lacksColumns(const GBuffer& buffer, const ShadingParams& params)
 
 }  // namespace
 
-Result<Image>
-shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, double scale)
-{
+Result<Image> shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
+                    double scale) {
   if (Error error = params.validate()) return error;
   if (Error error = camera.validate()) return error;
   if (buffer.width != camera.size.width || buffer.height != camera.size.height) {
@@ -412,10 +378,9 @@ shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, 
   return image;
 }
 
-Result<Image>
-renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& render_params,
-              const ShadingParams& shading_params, RenderStatistics* statistics)
-{
+Result<Image> renderPicture(SurfaceRenderer& renderer, const Camera& camera,
+                            const RenderParams& render_params, const ShadingParams& shading_params,
+                            RenderStatistics* statistics) {
   if (Error error = shading_params.validate()) return error;
   if (shading_params.mode == ShadingMode::kColor && !renderer.surface().hasColors())
     return noColors();
@@ -433,18 +398,16 @@ renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParam
   return image;
 }
 
-Result<Image>
-renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,
-              const ShadingParams& shading_params, RenderStatistics* statistics)
-{
+Result<Image> renderPicture(const SLIMSurface& surface, const Camera& camera,
+                            const RenderParams& render_params, const ShadingParams& shading_params,
+                            RenderStatistics* statistics) {
   SurfaceRenderer renderer(surface, render_params.threads);
   return renderPicture(renderer, camera, render_params, shading_params, statistics);
 }
 
-Result<Image>
-renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderParams& render_params,
-              const ShadingParams& shading_params, DiscRenderStatistics* statistics)
-{
+Result<Image> renderPicture(const SplatSet& splats, const Camera& camera,
+                            const DiscRenderParams& render_params,
+                            const ShadingParams& shading_params, DiscRenderStatistics* statistics) {
   if (Error error = shading_params.validate()) return error;
   const unsigned of_leaves = kCurvatureColumn | kLeafColumns | kResidualColumn;
   if ((columnsFor(shading_params) & of_leaves) != 0 && shading_params.mode != ShadingMode::kSize) {

@@ -15,16 +15,12 @@
 
 namespace pcl_slim::detail {
 
-inline Color
-toLinear(const Color& s)
-{
+inline Color toLinear(const Color& s) {
   return {linearFromSrgb(s[0]), linearFromSrgb(s[1]), linearFromSrgb(s[2])};
 }
 
 /** \brief Linear light of an empty pixel: white, or a grey that darkens downwards. */
-inline Color
-backgroundAt(const ShadingParams& params, int y, int height)
-{
+inline Color backgroundAt(const ShadingParams& params, int y, int height) {
   if (!params.gradient_background) return {1.0f, 1.0f, 1.0f};
   const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
   const float level = 0.985f - 0.145f * t * t;
@@ -32,34 +28,30 @@ backgroundAt(const ShadingParams& params, int y, int height)
 }
 
 /** \brief Linear light to an 8-bit sRGB channel. */
-inline std::uint8_t
-toByte(float linear)
-{
+inline std::uint8_t toByte(float linear) {
   const float s = srgbFromLinear(std::clamp(linear, 0.0f, 1.0f));
   return static_cast<std::uint8_t>(std::lround(255.0f * s));
 }
 
 /** \brief The number that a mode shows at a covered pixel, in world units. */
-double
-valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale);
+double valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale);
 
 /** \brief The colour of a value. */
-Color
-colorOf(const ShadingParams& params, const ShadingRange& range, double value);
+Color colorOf(const ShadingParams& params, const ShadingRange& range, double value);
 
 /** \brief Whether a picture has a shade in its hollows. */
-bool
-wantsAmbientOcclusion(const ShadingParams& params);
+bool wantsAmbientOcclusion(const ShadingParams& params);
 
-/** \brief Fills the colours of a frame from those of a surface's leaves, at the positions and with the
- * normals of its pixels. Its index is built for the first frame with colours. */
+/** \brief Fills the colours of a frame from those of a surface's leaves, at the positions and with
+ * the normals of its pixels. Its index is built for the first frame with colours. */
 class SurfacePainter {
  public:
   /** \brief The surface must outlive this object. */
   explicit SurfacePainter(const SLIMSurface& surface) : surface_(surface) {}
 
   /** \brief \param[in,out] buffer with positions; its colours are set, white where a pixel is in no
-   * leaf's ball, and none are set for a surface without. O(covered pixels times leaves near them). */
+   * leaf's ball, and none are set for a surface without. O(covered pixels times leaves near them).
+   */
   void paint(int threads, GBuffer& buffer);
 
  private:

@@ -14,9 +14,7 @@ namespace pcl_slim {
 
 using detail::kMaxShrink;
 
-Error
-RenderParams::validate() const
-{
+Error RenderParams::validate() const {
   if (!(shrink >= 0.0 && shrink <= kMaxShrink)) {
     return {ErrorCode::kBadArgument, "the ball's shrink factor must be 0 (automatic) to 0.95"};
   }
@@ -33,9 +31,7 @@ RenderParams::validate() const
   return checkThreads(threads);
 }
 
-RenderStatistics&
-RenderStatistics::operator+=(const RenderStatistics& other)
-{
+RenderStatistics& RenderStatistics::operator+=(const RenderStatistics& other) {
   leaves += other.leaves;
   outside_frustum += other.outside_frustum;
   outside_region += other.outside_region;
@@ -56,9 +52,7 @@ RenderStatistics::operator+=(const RenderStatistics& other)
 
 namespace pcl_slim::detail {
 
-Error
-checkHalfSpaces(const std::vector<HalfSpace>& cuts)
-{
+Error checkHalfSpaces(const std::vector<HalfSpace>& cuts) {
   for (const HalfSpace& cut : cuts) {
     const double size = length(cut.normal);
     if (!(size > 0.0 && std::isfinite(size) && std::isfinite(cut.offset))) {
@@ -69,9 +63,8 @@ checkHalfSpaces(const std::vector<HalfSpace>& cuts)
   return {};
 }
 
-std::vector<HalfSpace>
-localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin, double scale)
-{
+std::vector<HalfSpace> localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin,
+                                       double scale) {
   for (HalfSpace& cut : cuts) {
     const double size = length(cut.normal);
     cut.offset = (cut.offset - dot(cut.normal, origin)) / (size * scale);
@@ -80,9 +73,7 @@ localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin, double scale
   return cuts;
 }
 
-RayStretch
-within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch)
-{
+RayStretch within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch) {
   for (const HalfSpace& cut : cuts) {
     const double inside = dot(cut.normal, ray.origin) - cut.offset;
     const double slope = dot(cut.normal, ray.direction);
@@ -97,9 +88,7 @@ within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch)
   return stretch;
 }
 
-bool
-isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius)
-{
+bool isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius) {
   return std::any_of(cuts.begin(), cuts.end(), [&](const HalfSpace& cut) {
     return dot(cut.normal, center) - cut.offset < -radius;
   });
@@ -116,17 +105,13 @@ FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
                  (params.sides == VisibleSides::kAuto && info.hasFront() && params.cuts.empty())),
       skip(params.skip),
       threads(resolveThreads(params.threads)),
-      cuts(localHalfSpaces(params.cuts, info.origin, info.scale))
-{
-}
+      cuts(localHalfSpaces(params.cuts, info.origin, info.scale)) {}
 
 }  // namespace pcl_slim::detail
 
 namespace pcl_slim {
 
-void
-detail::clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count)
-{
+void detail::clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count) {
   const auto clear = [&](auto& column, auto value) {
     if (!column.empty()) std::fill_n(column.data() + begin, count, value);
   };
@@ -144,9 +129,7 @@ detail::clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count)
   for (auto* column : {&buffer.level, &buffer.back_face}) clear(*column, std::uint8_t{0});
 }
 
-void
-GBuffer::reserve(int new_width, int new_height, unsigned columns)
-{
+void GBuffer::reserve(int new_width, int new_height, unsigned columns) {
   width = new_width;
   height = new_height;
   const std::size_t n = static_cast<std::size_t>(new_width) * static_cast<std::size_t>(new_height);
@@ -169,16 +152,12 @@ GBuffer::reserve(int new_width, int new_height, unsigned columns)
   color.clear();
 }
 
-void
-GBuffer::resize(int new_width, int new_height, unsigned columns)
-{
+void GBuffer::resize(int new_width, int new_height, unsigned columns) {
   reserve(new_width, new_height, columns);
   detail::clearPixels(*this, 0, numPixels());
 }
 
-std::size_t
-GBuffer::numCovered() const
-{
+std::size_t GBuffer::numCovered() const {
   return numPixels() - static_cast<std::size_t>(std::count(surfel.begin(), surfel.end(), kNothing));
 }
 
@@ -189,9 +168,7 @@ namespace {
 
 /** \brief Calls visit(tile) for each tile a leaf touches. */
 template <typename Visit>
-void
-forEachTile(const SurfelBins& bins, const VisibleLeaf& leaf, const Visit& visit)
-{
+void forEachTile(const SurfelBins& bins, const VisibleLeaf& leaf, const Visit& visit) {
   for (int ty = leaf.blend.y0 / kTileSize; ty <= leaf.blend.y1 / kTileSize; ++ty) {
     for (int tx = leaf.blend.x0 / kTileSize; tx <= leaf.blend.x1 / kTileSize; ++tx) {
       visit(static_cast<std::size_t>(ty) * static_cast<std::size_t>(bins.columns) +
@@ -201,9 +178,7 @@ forEachTile(const SurfelBins& bins, const VisibleLeaf& leaf, const Visit& visit)
 }
 
 /** \brief Counting sort of (leaf, tile) pairs, then each tile by depth. */
-void
-fillTiles(SurfelBins& bins, int threads)
-{
+void fillTiles(SurfelBins& bins, int threads) {
   bins.begin.assign(bins.numTiles() + 1, 0);
   for (const VisibleLeaf& leaf : bins.leaves) {
     forEachTile(bins, leaf, [&](std::size_t tile) { ++bins.begin[tile + 1]; });
@@ -228,9 +203,7 @@ fillTiles(SurfelBins& bins, int threads)
 
 }  // namespace
 
-double
-slopeBound(const SLIMSurface& surface, std::size_t i)
-{
+double slopeBound(const SLIMSurface& surface, std::size_t i) {
   const float* c = surface.coefficientsOf(i);
   double bound = 0.0;
   for (int degree = 1, k = 1; degree <= surface.degree[i]; ++degree) {
@@ -239,9 +212,7 @@ slopeBound(const SLIMSurface& surface, std::size_t i)
   return bound;
 }
 
-SurfelBins
-binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads)
-{
+SurfelBins binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads) {
   SurfelBins bins;
   bins.columns = (size.width + kTileSize - 1) / kTileSize;
   bins.rows = (size.height + kTileSize - 1) / kTileSize;

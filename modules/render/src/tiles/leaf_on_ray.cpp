@@ -16,8 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Chord {
   double low, high;
 
-  Chord(const RaySurfel& surfel, const Approach& approach, double rho, double near_plane)
-  {
+  Chord(const RaySurfel& surfel, const Approach& approach, double rho, double near_plane) {
     const double half_sq = rho * rho - approach.distance_sq;
     high = half_sq > 0.0 ? std::sqrt(half_sq) : -1.0;
     low = std::max(-high, (near_plane - approach.depth) * surfel.inverse_radius);
@@ -25,16 +24,12 @@ struct Chord {
 };
 
 /** \brief Whether a leaf's own trim map has data at q, in radii from its centre. */
-bool
-hasData(const RaySurfel& surfel, const Vector3& q)
-{
+bool hasData(const RaySurfel& surfel, const Vector3& q) {
   return outsideShare(surfel.trim, dot(q, surfel.frame.u), dot(q, surfel.frame.v)) <= 0.5;
 }
 
 /** \brief Adds w grad f and w H of a leaf, turned by sign, in world axes. */
-void
-addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum)
-{
+void addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum) {
   const Vector3 &u = surfel.frame.u, &v = surfel.frame.v, &w = surfel.frame.w;
   for (int k = 0; k < 3; ++k) {
     sum.gradient[k] += weight * (w[k] - jet.hu * u[k] - jet.hv * v[k]);
@@ -54,10 +49,8 @@ addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, Ble
 
 /** \brief The root nearest to s_hat, of those on the chord that count. \return false when there is
  * none. */
-bool
-nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, double s_hat,
-            bool front_only, double& root)
-{
+bool nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, double s_hat,
+                 bool front_only, double& root) {
   if (obviousRoot(polynomial.a, s_hat, root) && root >= chord.low && root <= chord.high &&
       (!front_only || polynomial.slope(root) < 0.0)) {
     return true;
@@ -68,10 +61,8 @@ nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, dou
 
 }  // namespace
 
-double
-firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
-          double limit, std::uint64_t& evaluated)
-{
+double firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
+                 double limit, std::uint64_t& evaluated) {
   const Approach approach(surfel, ray);
   Chord chord(surfel, approach, rules.shrink, nearest);
   chord.high = std::min(chord.high, (limit - approach.depth) * surfel.inverse_radius);
@@ -87,10 +78,9 @@ firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, doub
   return approach.depth + root * surfel.radius;
 }
 
-void
-blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel, std::uint32_t id,
-          const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated)
-{
+void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
+               std::uint32_t id, const Ray& ray, double depth_hat, BlendSum& sum,
+               std::uint64_t& evaluated) {
   const Approach approach(surfel, ray);
   const double s_hat = (depth_hat - approach.depth) * surfel.inverse_radius;
   const double hat_sq = approach.distance_sq + s_hat * s_hat;
@@ -125,15 +115,11 @@ blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
   }
 }
 
-bool
-isOutside(const BlendSum& sum)
-{
+bool isOutside(const BlendSum& sum) {
   return sum.outside > 0.5 * sum.weight;
 }
 
-bool
-isSupported(const BlendSum& sum, double min_coverage)
-{
+bool isSupported(const BlendSum& sum, double min_coverage) {
   if (isOutside(sum)) return false;
   if (sum.coverage >= min_coverage) return true;
   const double lean_sq =
@@ -147,8 +133,7 @@ namespace {
 struct LevelSetCurvature {
   double mean = 0.0, gaussian = 0.0, k_max = 0.0, k_min = 0.0;
 
-  LevelSetCurvature(const double g[3], const Symmetric3<double>& h)
-  {
+  LevelSetCurvature(const double g[3], const Symmetric3<double>& h) {
     const double norm_sq = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     if (!(norm_sq > 0.0)) return;
     const double gx = g[0], gy = g[1], gz = g[2];
@@ -169,9 +154,7 @@ struct LevelSetCurvature {
 };
 
 /** \brief Writes the requested attributes from the blended derivatives. */
-void
-writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out)
-{
+void writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out) {
   double gradient[3];
   Symmetric3<double> hessian;
   for (int k = 0; k < 3; ++k) gradient[k] = sum.gradient[k] / sum.weight;
@@ -193,10 +176,8 @@ writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out)
 
 }  // namespace
 
-void
-writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
-           std::size_t pixel, GBuffer& out)
-{
+void writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
+                std::size_t pixel, GBuffer& out) {
   const double depth = depth_hat + sum.shift / sum.weight;
   const Vector3 q = along(ray.origin, depth, ray.direction);
   out.depth[pixel] = static_cast<float>(depth);

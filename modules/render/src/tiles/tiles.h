@@ -18,25 +18,23 @@
 namespace pcl_slim::detail {
 
 /** \brief Names a half space without a direction or a place. */
-Error
-checkHalfSpaces(const std::vector<HalfSpace>& cuts);
+Error checkHalfSpaces(const std::vector<HalfSpace>& cuts);
 
 /** \brief Half spaces in local coordinates (local = (world - origin) / scale), unit normals. */
-std::vector<HalfSpace>
-localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin, double scale);
+std::vector<HalfSpace> localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin,
+                                       double scale);
 
-/** \brief Depths along a ray between which it is inside all of some half spaces; near > far: nowhere. */
+/** \brief Depths along a ray between which it is inside all of some half spaces; near > far:
+ * nowhere. */
 struct RayStretch {
   double near, far;
 };
 
 /** \brief The part of a stretch of a ray inside half spaces. */
-RayStretch
-within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch);
+RayStretch within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch);
 
 /** \brief Whether a ball is completely outside of any half space. */
-bool
-isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius);
+bool isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius);
 
 /** \brief What a frame's parameters mean for a surface, lengths in its local units. */
 struct FrameRules {
@@ -75,23 +73,19 @@ struct SurfelBins {
   std::vector<std::uint64_t> begin;
   std::vector<std::uint32_t> entries;
 
-  std::size_t numTiles() const
-  {
+  std::size_t numTiles() const {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   }
 };
 
 /** \brief Sorts what may be seen into a picture's tiles by blend, each tile's from near to far,
  * equals by their place in leaves. O(leaves + entries log entries). */
-SurfelBins
-binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads);
+SurfelBins binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads);
 
-/** \brief Runs body(t, tile, statistics) for every tile with leaves; tile: memory that one thread uses
- * for all its tiles. \return the sum of what body counted. */
+/** \brief Runs body(t, tile, statistics) for every tile with leaves; tile: memory that one thread
+ * uses for all its tiles. \return the sum of what body counted. */
 template <typename Tile, typename Statistics, typename Body>
-Statistics
-forEachTile(const SurfelBins& bins, int threads, const Body& body)
-{
+Statistics forEachTile(const SurfelBins& bins, int threads, const Body& body) {
   std::vector<Tile> tiles(static_cast<std::size_t>(threads));
   std::vector<Statistics> parts(tiles.size());
   parallelFor(bins.numTiles(), threads, 1, [&](std::size_t t, int thread) {
@@ -106,12 +100,10 @@ forEachTile(const SurfelBins& bins, int threads, const Body& body)
 }
 
 /** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
-double
-slopeBound(const SLIMSurface& surface, std::size_t i);
+double slopeBound(const SLIMSurface& surface, std::size_t i);
 
 /** \brief Marks some pixels in a row as met by nothing. */
-void
-clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count);
+void clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count);
 
 /** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */
 struct BlendSum {
@@ -130,30 +122,26 @@ struct BlendSum {
   std::int32_t facing = 0;  ///< leaves seen from the front minus those seen from behind
 };
 
-/** \brief Depth of the first root of a leaf between two depths at which its own trim map has data, or
- * infinity. */
-double
-firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
-          double limit, std::uint64_t& evaluated);
+/** \brief Depth of the first root of a leaf between two depths at which its own trim map has data,
+ * or infinity. */
+double firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
+                 double limit, std::uint64_t& evaluated);
 
 /** \brief Adds one leaf to one pixel's blend. */
-void
-blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel, std::uint32_t id,
-          const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated);
+void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
+               std::uint32_t id, const Ray& ray, double depth_hat, BlendSum& sum,
+               std::uint64_t& evaluated);
 
 /** \brief Whether a blend is beyond the border that trim maps draw. */
-bool
-isOutside(const BlendSum& sum);
+bool isOutside(const BlendSum& sum);
 
 /** \brief Whether a blend belongs to the surface: its leaves cover it, or it is in a gap between
  * leaves all around it; and it is inside the border that trim maps draw. Beyond the rim of what
  * was measured all leaves are on one side. */
-bool
-isSupported(const BlendSum& sum, double min_coverage);
+bool isSupported(const BlendSum& sum, double min_coverage);
 
 /** \brief Divides a blend's sums and writes them into a pixel of the buffer. */
-void
-writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
-           std::size_t pixel, GBuffer& out);
+void writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
+                std::size_t pixel, GBuffer& out);
 
 }  // namespace pcl_slim::detail

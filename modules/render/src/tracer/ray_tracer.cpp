@@ -20,15 +20,11 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-Error
-bad(const char* message)
-{
+Error bad(const char* message) {
   return {ErrorCode::kBadArgument, message};
 }
 
-Error
-checkLight(const RayLight& light)
-{
+Error checkLight(const RayLight& light) {
   const double size = length(light.towards);
   if (!(std::isfinite(size) && size > 0.0)) {
     return bad("a light's direction must be finite and not 0");
@@ -46,9 +42,7 @@ checkLight(const RayLight& light)
 
 }  // namespace
 
-Error
-TraceParams::validate() const
-{
+Error TraceParams::validate() const {
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return bad("the near plane must be a finite distance, 0 or more");
   }
@@ -69,17 +63,13 @@ TraceParams::validate() const
   return {};
 }
 
-double
-TraceStatistics::testedPerRay() const
-{
+double TraceStatistics::testedPerRay() const {
   const std::uint64_t rays = rays_primary + rays_shadow + rays_occlusion;
   return rays > 0 ? static_cast<double>(tested_first + tested_blend) / static_cast<double>(rays)
                   : 0.0;
 }
 
-TraceStatistics&
-TraceStatistics::operator+=(const TraceStatistics& other)
-{
+TraceStatistics& TraceStatistics::operator+=(const TraceStatistics& other) {
   leaves += other.leaves;
   rays_primary += other.rays_primary;
   rays_shadow += other.rays_shadow;
@@ -100,8 +90,7 @@ namespace {
  * golden ratio from a place that hashes the pixel. */
 class SquareSamples {
  public:
-  SquareSamples(std::uint64_t pixel, std::uint64_t stream)
-  {
+  SquareSamples(std::uint64_t pixel, std::uint64_t stream) {
     const std::uint64_t z = mixBits((pixel * 64 + stream + 1) * SplitMix::kStep);
     x_ = static_cast<double>(z >> 40) * 0x1p-24;
     y_ = static_cast<double>(z & 0xffffffu) * 0x1p-24;
@@ -110,8 +99,7 @@ class SquareSamples {
   struct Place {
     double x, y;
   };
-  Place at(std::uint64_t i) const
-  {
+  Place at(std::uint64_t i) const {
     const double n = static_cast<double>(i);
     return {fraction(x_ + n * 0.75487766624669276), fraction(y_ + n * 0.56984029099805327)};
   }
@@ -125,9 +113,7 @@ class SquareSamples {
 constexpr double kFullTurn = 2 * M_PI;
 
 /** \brief A direction of the half space above a unit normal, as often as its cosine is large. */
-inline Vector3
-cosineDirection(const Vector3& normal, const SquareSamples::Place& at)
-{
+inline Vector3 cosineDirection(const Vector3& normal, const SquareSamples::Place& at) {
   const LocalFrame frame(normal);
   const double rho = std::sqrt(at.x), angle = kFullTurn * at.y;
   const Vector3 flat =
@@ -136,9 +122,7 @@ cosineDirection(const Vector3& normal, const SquareSamples::Place& at)
 }
 
 /** \brief A direction within an angle, given by its tangent, of a unit axis. */
-inline Vector3
-coneDirection(const Vector3& axis, double tangent, const SquareSamples::Place& at)
-{
+inline Vector3 coneDirection(const Vector3& axis, double tangent, const SquareSamples::Place& at) {
   if (!(tangent > 0.0)) return axis;
   const LocalFrame frame(axis);
   const double rho = tangent * std::sqrt(at.x), angle = kFullTurn * at.y;
@@ -194,18 +178,15 @@ TraceFrame::TraceFrame(const TracedObject& o, const TraceView& v, const Camera& 
       camera(c),
       cuts(localHalfSpaces(v.params.cuts, o.origin, o.scale)),
       near_plane(v.params.near_plane / o.scale),
-      reach(v.params.occlusion_reach * o.diagonal)
-{
+      reach(v.params.occlusion_reach * o.diagonal) {
   for (const RayLight& light : v.params.lights) {
     towards.push_back(normalized(light.towards));
     tangent.push_back(std::tan(light.spread * kDegree));
   }
 }
 
-void
-TraceTile::trace(const TraceFrame& frame, int x0, int y0, GBuffer& buffer, LightBuffer& light,
-                 TraceStatistics& statistics)
-{
+void TraceTile::trace(const TraceFrame& frame, int x0, int y0, GBuffer& buffer, LightBuffer& light,
+                      TraceStatistics& statistics) {
   counts_ = RayCounts();
   shadow_ = occlusion_ = 0;
   traceCamera(frame, x0, y0, buffer);
@@ -223,9 +204,7 @@ TraceTile::trace(const TraceFrame& frame, int x0, int y0, GBuffer& buffer, Light
   for (const MetPoint& point : met_) statistics.covered_pixels += point.met();
 }
 
-void
-TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer)
-{
+void TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer) {
   rays_.clear();
   pixels_.clear();
   const int x1 = std::min(x0 + kTraceTile, buffer.width);
@@ -246,17 +225,14 @@ TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer)
 }
 
 /** \brief Bounds a ray to its part inside the frame's half spaces. */
-void
-TraceTile::cut(const TraceFrame& frame, BoundedRay& ray)
-{
+void TraceTile::cut(const TraceFrame& frame, BoundedRay& ray) {
   const RayStretch left = within(frame.cuts, ray.ray, {ray.nearest, ray.farthest});
   ray.nearest = left.near;
   ray.farthest = left.far;
 }
 
-BoundedRay
-TraceTile::leaving(const TraceFrame& frame, std::size_t i, const Vector3& direction) const
-{
+BoundedRay TraceTile::leaving(const TraceFrame& frame, std::size_t i,
+                              const Vector3& direction) const {
   const Ray& from = rays_[i].ray;
   const MetPoint& point = met_[i];
   const Departure departure = frame.object.departure(point);
@@ -270,17 +246,13 @@ TraceTile::leaving(const TraceFrame& frame, std::size_t i, const Vector3& direct
   return ray;
 }
 
-void
-TraceTile::block(const TraceFrame& frame, bool close_gaps)
-{
+void TraceTile::block(const TraceFrame& frame, bool close_gaps) {
   blocked_.resize(outgoing_.size());
   frame.object.block(outgoing_.data(), outgoing_.size(), close_gaps, blocked_.data(), counts_);
 }
 
-void
-TraceTile::traceLight(const TraceFrame& frame, std::size_t l, const GBuffer& buffer,
-                      LightBuffer& light)
-{
+void TraceTile::traceLight(const TraceFrame& frame, std::size_t l, const GBuffer& buffer,
+                           LightBuffer& light) {
   outgoing_.clear();
   source_.clear();
   for (std::size_t i = 0; i < rays_.size(); ++i) {
@@ -299,9 +271,7 @@ TraceTile::traceLight(const TraceFrame& frame, std::size_t l, const GBuffer& buf
   }
 }
 
-void
-TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light)
-{
+void TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light) {
   constexpr std::uint64_t kStream = 63;  // apart from those of the lights
   const auto rays = static_cast<std::size_t>(frame.view.params.occlusion_rays);
   for (std::size_t i = 0; i < rays_.size(); ++i) {
@@ -323,9 +293,7 @@ TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light)
 constexpr std::size_t kBandTiles = 512;  ///< between looks at the progress
 
 /** \brief A world ray in an object's local units. */
-BoundedRay
-localRay(const TracedObject& object, const WorldRay& ray)
-{
+BoundedRay localRay(const TracedObject& object, const WorldRay& ray) {
   BoundedRay local;
   local.ray.origin = scaled(subtract(ray.origin, object.origin), 1.0 / object.scale);
   local.ray.direction = normalized(ray.direction);
@@ -334,9 +302,7 @@ localRay(const TracedObject& object, const WorldRay& ray)
   return local;
 }
 
-WorldHit
-worldHit(const MetPoint& point, const WorldRay& ray, double scale)
-{
+WorldHit worldHit(const MetPoint& point, const WorldRay& ray, double scale) {
   WorldHit hit;
   if (!point.met()) return hit;
   hit.depth = point.depth * scale;
@@ -347,9 +313,7 @@ worldHit(const MetPoint& point, const WorldRay& ray, double scale)
   return hit;
 }
 
-Error
-checkRays(const std::vector<WorldRay>& rays)
-{
+Error checkRays(const std::vector<WorldRay>& rays) {
   for (const WorldRay& ray : rays) {
     if (!isFinite(ray.origin) ||
         !(std::isfinite(length(ray.direction)) && length(ray.direction) > 0.0)) {
@@ -364,9 +328,7 @@ checkRays(const std::vector<WorldRay>& rays)
 
 /** \brief Runs body(begin, end, counts) over [0, count) in equal parts. */
 template <typename Body>
-void
-forBatches(std::size_t count, int threads, const Body& body)
-{
+void forBatches(std::size_t count, int threads, const Body& body) {
   constexpr std::size_t kBatch = 256;
   parallelFor((count + kBatch - 1) / kBatch, resolveThreads(threads), 1, [&](std::size_t b, int) {
     RayCounts counts;
@@ -384,49 +346,38 @@ struct RayTracer::State {
 };
 
 RayTracer::RayTracer(const SLIMSurface& surface, int threads)
-    : state_(new State{nullptr, surface.validate(), surface.hasColors(), nullptr})
-{
+    : state_(new State{nullptr, surface.validate(), surface.hasColors(), nullptr}) {
   if (state_->defect) return;
   state_->object = tracedLeaves(surface, resolveThreads(threads));
   state_->painter = std::make_unique<SurfacePainter>(surface);
 }
 
 RayTracer::RayTracer(const SplatSet& splats, int threads)
-    : state_(new State{nullptr, validateDiscs(splats), true, nullptr})
-{
+    : state_(new State{nullptr, validateDiscs(splats), true, nullptr}) {
   if (!state_->defect) state_->object = tracedDiscs(splats, resolveThreads(threads));
 }
 
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
-RayTracer&
-RayTracer::operator=(RayTracer&&) noexcept = default;
+RayTracer& RayTracer::operator=(RayTracer&&) noexcept = default;
 
-Error
-RayTracer::defect() const
-{
+Error RayTracer::defect() const {
   return state_ ? state_->defect : badInput("the tracer has been moved from; make a new one");
 }
 
-bool
-RayTracer::hasColors() const
-{
+bool RayTracer::hasColors() const {
   return state_ && state_->colored;
 }
 
-double
-RayTracer::scale() const
-{
+double RayTracer::scale() const {
   return state_ && state_->object ? state_->object->scale : 1.0;
 }
 
 namespace {
 
 /** \brief Traces all tiles of a frame. \return false if it was cancelled. */
-bool
-traceTiles(const TraceFrame& frame, int threads, GBuffer& buffer, LightBuffer& light,
-           TraceStatistics& total, Progress* progress)
-{
+bool traceTiles(const TraceFrame& frame, int threads, GBuffer& buffer, LightBuffer& light,
+                TraceStatistics& total, Progress* progress) {
   const auto tiles = [](int pixels) {
     return static_cast<std::size_t>((pixels + kTraceTile - 1) / kTraceTile);
   };
@@ -450,10 +401,8 @@ traceTiles(const TraceFrame& frame, int threads, GBuffer& buffer, LightBuffer& l
 }
 
 /** \brief Makes both buffers of a frame's size and empty. */
-void
-clearFrame(const TracedObject& object, const Camera& camera, const TraceParams& params,
-           GBuffer& buffer, LightBuffer& light)
-{
+void clearFrame(const TracedObject& object, const Camera& camera, const TraceParams& params,
+                GBuffer& buffer, LightBuffer& light) {
   const bool painted = (params.columns & kColorColumn) != 0;
   const unsigned columns = object.discs ? unsigned{kAllColumns}
                            : painted    ? params.columns | kPositionColumn
@@ -466,10 +415,8 @@ clearFrame(const TracedObject& object, const Camera& camera, const TraceParams& 
 
 }  // namespace
 
-Error
-RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffer,
-                 LightBuffer& light, TraceStatistics* statistics, Progress* progress)
-{
+Error RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffer,
+                       LightBuffer& light, TraceStatistics* statistics, Progress* progress) {
   const auto refused = [&](Error error) {
     buffer.resize(0, 0);
     buffer.color.clear();
@@ -495,10 +442,8 @@ RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffe
   return {};
 }
 
-Error
-RayTracer::cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vector<WorldHit>& hits,
-                int threads) const
-{
+Error RayTracer::cast(const std::vector<WorldRay>& rays, VisibleSides sides,
+                      std::vector<WorldHit>& hits, int threads) const {
   hits.clear();
   if (Error error = defect()) return error;
   if (Error error = checkRays(rays)) return error;
@@ -519,10 +464,8 @@ RayTracer::cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vect
   return {};
 }
 
-Error
-RayTracer::castShadows(const std::vector<WorldRay>& rays, std::vector<std::uint8_t>& blocked,
-                       int threads) const
-{
+Error RayTracer::castShadows(const std::vector<WorldRay>& rays, std::vector<std::uint8_t>& blocked,
+                             int threads) const {
   blocked.clear();
   if (Error error = defect()) return error;
   if (Error error = checkRays(rays)) return error;

@@ -14,16 +14,13 @@
 namespace pcl_slim::detail {
 namespace {
 
-bool
-frontOnly(VisibleSides sides, bool oriented)
-{
+bool frontOnly(VisibleSides sides, bool oriented) {
   return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && oriented);
 }
 
 class TracedLeaves : public TracedObject {
  public:
-  TracedLeaves(const SLIMSurface& surface, int threads) : scene_(surface, threads)
-  {
+  TracedLeaves(const SLIMSurface& surface, int threads) : scene_(surface, threads) {
     origin = surface.info.origin;
     scale = surface.info.scale;
     diagonal = surface.info.diagonal;
@@ -32,8 +29,7 @@ class TracedLeaves : public TracedObject {
   }
 
   void trace(const TraceView& view, const BoundedRay* rays, std::size_t count, MetPoint* met,
-             GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
-  {
+             GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override {
     RayRules rules = rules_;
     const bool closed = scene_.surface.info.hasFront() && view.params.cuts.empty();
     rules.front_only = frontOnly(view.params.sides, closed);
@@ -52,15 +48,13 @@ class TracedLeaves : public TracedObject {
   }
 
   void block(const BoundedRay* rays, std::size_t count, bool close_gaps, std::uint8_t* blocked,
-             RayCounts& counts) const override
-  {
+             RayCounts& counts) const override {
     RayRules rules = rules_;
     rules.close_gaps = close_gaps;
     kernels::traceBlocked(scene_, rules, rays, count, blocked, counts);
   }
 
-  Departure departure(const MetPoint& point) const override
-  {
+  Departure departure(const MetPoint& point) const override {
     const double r = scene_.surface.radius[point.id], error = scene_.surface.error[point.id];
     // Leaves that blend at a point are apart by about their residuals, and by a small share of
     // their radii where the data are clean.
@@ -70,8 +64,7 @@ class TracedLeaves : public TracedObject {
   }
 
  private:
-  static MetPoint pointOf(const BlendedHit& hit)
-  {
+  static MetPoint pointOf(const BlendedHit& hit) {
     MetPoint point;
     if (!hit.met()) return point;
     point.id = hit.sum.surfel;
@@ -87,21 +80,17 @@ class TracedLeaves : public TracedObject {
 
 }  // namespace
 
-std::unique_ptr<TracedObject>
-tracedLeaves(const SLIMSurface& surface, int threads)
-{
+std::unique_ptr<TracedObject> tracedLeaves(const SLIMSurface& surface, int threads) {
   return std::make_unique<TracedLeaves>(surface, threads);
 }
 
 namespace {
 
-/** Pixels beyond its rim within which a disc may be met: half a diagonal aside, and along a ray that
- * grazes its plane by what Disc::span and Disc::width add to the radius. */
+/** Pixels beyond its rim within which a disc may be met: half a diagonal aside, and along a ray
+ * that grazes its plane by what Disc::span and Disc::width add to the radius. */
 constexpr double kReach = 2.5;
 
-Box
-boxOfDisc(const SplatSet& splats, std::size_t i)
-{
+Box boxOfDisc(const SplatSet& splats, std::size_t i) {
   const double center[3] = {splats.x[i], splats.y[i], splats.z[i]};
   const Vector3 normal = normalized({splats.nx[i], splats.ny[i], splats.nz[i]});
   Box box;
@@ -115,10 +104,8 @@ boxOfDisc(const SplatSet& splats, std::size_t i)
 
 /** \brief Runs body(disc index, farthest) for the discs that a ray may meet; false stops. */
 template <typename Body>
-void
-forDiscs(const WideTree& tree, const BoundedRay& ray, const RayWidth& width, RayCounts& counts,
-         Body& body)
-{
+void forDiscs(const WideTree& tree, const BoundedRay& ray, const RayWidth& width, RayCounts& counts,
+              Body& body) {
   struct Context {
     const WideTree& tree;
     Body& body;
@@ -138,8 +125,7 @@ forDiscs(const WideTree& tree, const BoundedRay& ray, const RayWidth& width, Ray
 
 class TracedDiscs : public TracedObject {
  public:
-  TracedDiscs(const SplatSet& splats, int threads) : splats_(splats)
-  {
+  TracedDiscs(const SplatSet& splats, int threads) : splats_(splats) {
     const std::size_t n = splats.size();
     std::vector<Box> boxes(n);
     parallelFor(n, threads, 1024, [&](std::size_t i, int) { boxes[i] = boxOfDisc(splats, i); });
@@ -157,8 +143,7 @@ class TracedDiscs : public TracedObject {
   }
 
   void trace(const TraceView& view, const BoundedRay* rays, std::size_t count, MetPoint* met,
-             GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
-  {
+             GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override {
     const CameraRays none(Camera(), origin, 1.0);
     DiscRenderParams params;
     params.filtered = view.camera && view.params.filtered;
@@ -178,8 +163,7 @@ class TracedDiscs : public TracedObject {
   }
 
   void block(const BoundedRay* rays, std::size_t count, bool /*close_gaps*/, std::uint8_t* blocked,
-             RayCounts& counts) const override
-  {
+             RayCounts& counts) const override {
     const CameraRays none(Camera(), origin, 1.0);
     DiscRenderParams params;
     params.filtered = false;
@@ -198,8 +182,7 @@ class TracedDiscs : public TracedObject {
     }
   }
 
-  Departure departure(const MetPoint& point) const override
-  {
+  Departure departure(const MetPoint& point) const override {
     // Discs within half a radius of each other are blended as one surface.
     const double r = splats_.radius[point.id];
     return {0.5 * r, r, r, r};
@@ -214,23 +197,20 @@ class TracedDiscs : public TracedObject {
 
     /** \brief Whether a disc is drawn at all; the rasteriser too leaves out those turned away as a
      * whole. */
-    bool draws(const Disc& disc, const BoundedRay& ray) const
-    {
+    bool draws(const Disc& disc, const BoundedRay& ray) const {
       if (!view.front_only) return true;
       const Vector3 to_disc = by_camera ? view.rays.directionTo(disc.center) : ray.ray.direction;
       return dot(disc.normal, to_disc) < 0.0;
     }
     /** \brief The screen filter's reach. */
-    RayWidth width() const
-    {
+    RayWidth width() const {
       if (!view.params.filtered) return {};
       return {static_cast<float>(kReach * view.rays.pixelAtEye()),
               static_cast<float>(kReach * view.rays.pixelPerDepth())};
     }
   };
 
-  FirstDisc findFirst(const Look& look, const BoundedRay& ray, RayCounts& counts) const
-  {
+  FirstDisc findFirst(const Look& look, const BoundedRay& ray, RayCounts& counts) const {
     FirstDisc first;
     first.depth = ray.farthest;
     auto meet = [&](std::uint32_t d, double& farthest) {
@@ -247,8 +227,7 @@ class TracedDiscs : public TracedObject {
   }
 
   /** \brief Depth behind which no disc counts in addition to the first. */
-  double lastDepth(const Look& look, const FirstDisc& first) const
-  {
+  double lastDepth(const Look& look, const FirstDisc& first) const {
     const double tolerance = look.view.params.depth_tolerance;
     const double growth = tolerance * look.view.rays.pixelPerDepth();
     const double pixel =
@@ -258,8 +237,7 @@ class TracedDiscs : public TracedObject {
   }
 
   DiscSum blend(const Look& look, const BoundedRay& ray, const FirstDisc& first,
-                RayCounts& counts) const
-  {
+                RayCounts& counts) const {
     DiscSum sum;
     BoundedRay stretch = ray;
     stretch.farthest = lastDepth(look, first);
@@ -278,8 +256,7 @@ class TracedDiscs : public TracedObject {
     return sum;
   }
 
-  static MetPoint pointOf(const FirstDisc& first, const DiscSum& sum)
-  {
+  static MetPoint pointOf(const FirstDisc& first, const DiscSum& sum) {
     MetPoint point;
     point.id = first.disc;
     point.depth = sum.depth / sum.weight;
@@ -297,21 +274,17 @@ class TracedDiscs : public TracedObject {
 
 }  // namespace
 
-std::unique_ptr<TracedObject>
-tracedDiscs(const SplatSet& splats, int threads)
-{
+std::unique_ptr<TracedObject> tracedDiscs(const SplatSet& splats, int threads) {
   return std::make_unique<TracedDiscs>(splats, threads);
 }
 
 namespace {
 
-constexpr int kGapReach = 8;         ///< pixels from a gap's rim inwards that one pass closes
+constexpr int kGapReach = 8;      ///< pixels from a gap's rim inwards that one pass closes
 constexpr int kLeastCovered = 6;  ///< of the eight directions from a pixel in a gap
 
 /** Whether most directions from a pixel soon lead to one that met something. */
-bool
-isEnclosed(const GBuffer& buffer, int x, int y)
-{
+bool isEnclosed(const GBuffer& buffer, int x, int y) {
   int covered = 0, looked = 0;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -332,9 +305,7 @@ isEnclosed(const GBuffer& buffer, int x, int y)
 using Rows = std::vector<std::vector<int>>;  ///< columns of pixels, row by row
 
 /** Pixels not tried yet that met nothing within what did; they count as tried from now on. */
-Rows
-enclosedPixels(const GBuffer& buffer, int threads, std::vector<std::uint8_t>& tried)
-{
+Rows enclosedPixels(const GBuffer& buffer, int threads, std::vector<std::uint8_t>& tried) {
   Rows rows(static_cast<std::size_t>(buffer.height));
   parallelFor(rows.size(), threads, 16, [&](std::size_t y, int) {
     for (int x = 0; x < buffer.width; ++x) {
@@ -350,16 +321,13 @@ enclosedPixels(const GBuffer& buffer, int threads, std::vector<std::uint8_t>& tr
 
 }  // namespace
 
-bool
-closesGaps(const RenderParams& params)
-{
+bool closesGaps(const RenderParams& params) {
   return params.close_gaps && params.lod == 0.0 && params.cuts.empty() && params.shrink == 0.0 &&
          params.min_coverage < 0.0 && params.trim;
 }
 
-std::uint64_t
-GapCloser::close(const Camera& camera, const RenderParams& params, int threads, GBuffer& buffer)
-{
+std::uint64_t GapCloser::close(const Camera& camera, const RenderParams& params, int threads,
+                               GBuffer& buffer) {
   const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
   TraceParams tracing;
   tracing.sides = params.sides;

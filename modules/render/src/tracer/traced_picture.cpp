@@ -29,14 +29,12 @@ struct TracedRig {
 
   TracedRig(const GBuffer& b, const LightBuffer& l, const Camera& camera,
             const std::vector<RayLight>& all, const ShadingParams& p)
-      : buffer(b), light(l), lights(all), params(p), rays(camera, {0.0, 0.0, 0.0}, 1.0)
-  {
+      : buffer(b), light(l), lights(all), params(p), rays(camera, {0.0, 0.0, 0.0}, 1.0) {
     for (const RayLight& one : lights) towards.push_back(normalized(one.towards));
     up = CameraAxes(camera).up;
   }
 
-  Color base(std::size_t pixel) const
-  {
+  Color base(std::size_t pixel) const {
     if (!buffer.color.empty()) {
       return params.mode == ShadingMode::kColor ? buffer.color[pixel] : kClay;
     }
@@ -49,8 +47,7 @@ struct TracedRig {
 struct Received {
   Color diffuse, specular{};
 
-  Received(const TracedRig& rig, std::size_t pixel, const Vector3& ray)
-  {
+  Received(const TracedRig& rig, std::size_t pixel, const Vector3& ray) {
     const auto& n = rig.buffer.normal[pixel];
     const Vector3 normal{n[0], n[1], n[2]};
     const double dim = 1.0 - rig.params.ambient_occlusion * (1.0 - rig.light.open[pixel]);
@@ -71,9 +68,7 @@ struct Received {
   }
 };
 
-Color
-colorAt(const TracedRig& rig, int x, int y, const Color& empty)
-{
+Color colorAt(const TracedRig& rig, int x, int y, const Color& empty) {
   const std::size_t pixel = rig.buffer.index(x, y);
   if (!rig.buffer.covered(pixel)) return empty;
   const Color base = toLinear(rig.base(pixel));
@@ -85,26 +80,20 @@ colorAt(const TracedRig& rig, int x, int y, const Color& empty)
   return color;
 }
 
-Error
-checkMode(ShadingMode mode, bool colored)
-{
+Error checkMode(ShadingMode mode, bool colored) {
   if (mode == ShadingMode::kShaded || (mode == ShadingMode::kColor && colored)) return {};
   return {ErrorCode::kBadArgument, colored ? "what is traced is shaded or shows its colours"
                                            : "a traced surface without colours is shaded"};
 }
 
-void
-add(const std::vector<Color>& frame, std::vector<Color>& sums)
-{
+void add(const std::vector<Color>& frame, std::vector<Color>& sums) {
   sums.resize(frame.size(), Color{0.0f, 0.0f, 0.0f});
   for (std::size_t i = 0; i < frame.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) sums[i][k] += frame[i][k];
   }
 }
 
-Image
-averaged(const std::vector<Color>& sums, const ImageSize& size, int frames)
-{
+Image averaged(const std::vector<Color>& sums, const ImageSize& size, int frames) {
   Image image;
   image.width = size.width;
   image.height = size.height;
@@ -124,14 +113,12 @@ struct FrameSequence {
   int n;
   unsigned columns;
 
-  Camera shifted(int pass) const
-  {
+  Camera shifted(int pass) const {
     Camera moved = camera;
     moved.pixel_offset = {(pass % n + 0.5) / n - 0.5, (pass / n + 0.5) / n - 0.5};
     return moved;
   }
-  TraceParams sampled(int pass) const
-  {
+  TraceParams sampled(int pass) const {
     TraceParams params = trace;
     params.columns = columns;
     params.sample = trace.sample * static_cast<unsigned>(n * n) + static_cast<unsigned>(pass);
@@ -142,9 +129,7 @@ struct FrameSequence {
 
 }  // namespace
 
-std::array<double, 3>
-lightDirection(const Camera& camera, double azimuth, double elevation)
-{
+std::array<double, 3> lightDirection(const Camera& camera, double azimuth, double elevation) {
   const CameraAxes axes(camera);
   const double a = azimuth * kDegree, e = elevation * kDegree;
   const Vector3 level = along(scaled(axes.forward, -std::cos(e) * std::cos(a)),
@@ -152,17 +137,14 @@ lightDirection(const Camera& camera, double azimuth, double elevation)
   return along(level, std::sin(e), axes.up);
 }
 
-std::vector<RayLight>
-defaultLights(const Camera& camera)
-{
+std::vector<RayLight> defaultLights(const Camera& camera) {
   return {{lightDirection(camera, -48.0, 44.0), {0.86f, 0.82f, 0.76f}, 1.5},
           {lightDirection(camera, 52.0, 22.0), {0.24f, 0.27f, 0.32f}, 1.5}};
 }
 
-std::vector<Color>
-shadeTraced(const GBuffer& buffer, const LightBuffer& light, const Camera& camera,
-            const std::vector<RayLight>& lights, const ShadingParams& params)
-{
+std::vector<Color> shadeTraced(const GBuffer& buffer, const LightBuffer& light,
+                               const Camera& camera, const std::vector<RayLight>& lights,
+                               const ShadingParams& params) {
   const TracedRig rig(buffer, light, camera, lights, params);
   std::vector<Color> colors(buffer.numPixels());
   parallelFor(static_cast<std::size_t>(buffer.height), resolveThreads(params.threads), 8,
@@ -176,11 +158,10 @@ shadeTraced(const GBuffer& buffer, const LightBuffer& light, const Camera& camer
   return colors;
 }
 
-Result<Image>
-renderTracedPicture(RayTracer& tracer, const Camera& camera, const TraceParams& trace_params,
-                    const ShadingParams& shading_params, TraceStatistics* statistics,
-                    Progress* progress)
-{
+Result<Image> renderTracedPicture(RayTracer& tracer, const Camera& camera,
+                                  const TraceParams& trace_params,
+                                  const ShadingParams& shading_params, TraceStatistics* statistics,
+                                  Progress* progress) {
   if (Error error = shading_params.validate()) return error;
   if (Error error = checkMode(shading_params.mode, tracer.hasColors())) return error;
   const FrameSequence frames{camera, trace_params, shading_params.supersampling,

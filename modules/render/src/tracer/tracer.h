@@ -53,7 +53,8 @@ class TracedObject {
   std::uint64_t size = 0;
   bool discs = false;
 
-  /** \brief The first point of each ray. Writes it to buffer as well, at pixels, if there is one. */
+  /** \brief The first point of each ray. Writes it to buffer as well, at pixels, if there is one.
+   */
   virtual void trace(const TraceView& view, const BoundedRay* rays, std::size_t count,
                      MetPoint* met, GBuffer* buffer, const std::size_t* pixels,
                      RayCounts& counts) const = 0;
@@ -66,26 +67,24 @@ class TracedObject {
 };
 
 /** \brief A valid surface's leaves under their tree. O(leaves log leaves). */
-std::unique_ptr<TracedObject>
-tracedLeaves(const SLIMSurface& surface, int threads);
+std::unique_ptr<TracedObject> tracedLeaves(const SLIMSurface& surface, int threads);
 
 /** \brief Valid discs under their tree. O(discs log discs). */
-std::unique_ptr<TracedObject>
-tracedDiscs(const SplatSet& splats, int threads);
+std::unique_ptr<TracedObject> tracedDiscs(const SplatSet& splats, int threads);
 
-/** \brief Whether rays of a rasterised frame are met by the tracer's rules, so that its gaps may be closed. */
-bool
-closesGaps(const RenderParams& params);
+/** \brief Whether rays of a rasterised frame are met by the tracer's rules, so that its gaps may be
+ * closed. */
+bool closesGaps(const RenderParams& params);
 
-/** \brief Fills pixels of a rasterised frame whose rays slipped between shrunk balls: those that met nothing
- * although pixels about them did are traced with TraceParams::close_gaps. */
+/** \brief Fills pixels of a rasterised frame whose rays slipped between shrunk balls: those that
+ * met nothing although pixels about them did are traced with TraceParams::close_gaps. */
 class GapCloser {
  public:
   /** \brief The surface, a valid one, must outlive this object. */
   explicit GapCloser(const SLIMSurface& surface) : surface_(surface) {}
 
-  /** \brief \param[in,out] buffer a frame by these parameters; the surface's tree is built for the first one
-   * that has such pixels. \return pixels filled. O(pixels + traced rays). */
+  /** \brief \param[in,out] buffer a frame by these parameters; the surface's tree is built for the
+   * first one that has such pixels. \return pixels filled. O(pixels + traced rays). */
   std::uint64_t close(const Camera& camera, const RenderParams& params, int threads,
                       GBuffer& buffer);
 

@@ -22,9 +22,7 @@ struct WeightedLeaf {
 };
 
 /** Adds k a b^T + k b a^T, or k a a^T for a = b, to a symmetric matrix. */
-void
-addOuter(double k, const Vector3& a, const Vector3& b, Symmetric3<double>& h)
-{
+void addOuter(double k, const Vector3& a, const Vector3& b, Symmetric3<double>& h) {
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {
       h[kSymmetricEntry[i][j]] += &a == &b ? k * a[i] * a[j] : k * (a[i] * b[j] + b[i] * a[j]);
@@ -32,9 +30,7 @@ addOuter(double k, const Vector3& a, const Vector3& b, Symmetric3<double>& h)
   }
 }
 
-ImplicitJet
-leafFunction(const SLIMSurface& s, std::size_t i, const Vector3& d)
-{
+ImplicitJet leafFunction(const SLIMSurface& s, std::size_t i, const Vector3& d) {
   const LocalFrame frame({s.nx[i], s.ny[i], s.nz[i]});
   const double r = s.radius[i];
   const auto along = [&](const Vector3& axis) { return dot(d, axis) / r; };
@@ -49,9 +45,7 @@ leafFunction(const SLIMSurface& s, std::size_t i, const Vector3& d)
 }
 
 /** (1 - s)^m over s = (d / r)^2, and for the Gaussian its inner part's derivatives by s. */
-std::array<double, 3>
-kernelBySquare(WeightKernel kernel, double s)
-{
+std::array<double, 3> kernelBySquare(WeightKernel kernel, double s) {
   if (kernel == WeightKernel::kGaussian) {
     if (s < 0.25) return {std::exp(-8 * s), -8 * std::exp(-8 * s), 64 * std::exp(-8 * s)};
     const double root = std::sqrt(s), q = 1 - root, k = 16 * std::exp(-2.0);
@@ -63,9 +57,7 @@ kernelBySquare(WeightKernel kernel, double s)
   return {std::pow(q, m), -m * std::pow(q, m - 1), m * (m - 1) * std::pow(q, m - 2)};
 }
 
-ImplicitJet
-leafWeight(const SLIMSurface& surface, std::size_t i, const Vector3& d)
-{
+ImplicitJet leafWeight(const SLIMSurface& surface, std::size_t i, const Vector3& d) {
   const double r = surface.radius[i];
   const double s = dot(d, d) / (r * r);
   auto g = kernelBySquare(surface.info.blend_kernel, s);
@@ -84,8 +76,7 @@ leafWeight(const SLIMSurface& surface, std::size_t i, const Vector3& d)
 struct Sums {
   ImplicitJet weight, product;
 
-  void add(const ImplicitJet& f, const ImplicitJet& w)
-  {
+  void add(const ImplicitJet& f, const ImplicitJet& w) {
     weight.value += w.value;
     product.value += w.value * f.value;
     for (int a = 0; a < 3; ++a) {
@@ -100,8 +91,7 @@ struct Sums {
   }
 
   /** F = S / W: as S = F W, its derivatives give those of F in turn. */
-  ImplicitJet quotient() const
-  {
+  ImplicitJet quotient() const {
     ImplicitJet jet;
     jet.value = product.value / weight.value;
     for (int a = 0; a < 3; ++a) {
@@ -124,8 +114,7 @@ struct PartitionOfUnity::Index {
 };
 
 PartitionOfUnity::PartitionOfUnity(const SLIMSurface& surface)
-    : surface_(surface), index_(std::make_unique<Index>())
-{
+    : surface_(surface), index_(std::make_unique<Index>()) {
   index_->members.resize(256);
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) index_->members[surface.level[i]].push_back(i);
@@ -139,9 +128,7 @@ PartitionOfUnity::PartitionOfUnity(const SLIMSurface& surface)
 
 PartitionOfUnity::~PartitionOfUnity() = default;
 
-bool
-PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const
-{
+bool PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const {
   Sums sums;
   const auto add = [&](std::uint32_t i, float) {
     const Vector3 d = {x[0] - surface_.cx[i], x[1] - surface_.cy[i], x[2] - surface_.cz[i]};
@@ -160,9 +147,7 @@ PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) con
 
 namespace {
 
-void
-writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer& buffer)
-{
+void writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer& buffer) {
   const auto [mean, gaussian] = meanAndGaussian(jet.gradient, norm, jet.hessian);
   const float spread = std::sqrt(std::max(0.0f, mean * mean - gaussian));
   buffer.mean_curvature[pixel] = mean;
@@ -170,9 +155,7 @@ writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer&
   buffer.principal[pixel] = {mean + spread, mean - spread};
 }
 
-void
-writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer)
-{
+void writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer) {
   const double norm = length(jet.gradient);
   if (!(norm > 0.0)) return;
   if (buffer.back_face[pixel]) {
@@ -192,9 +175,7 @@ writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer)
 
 }  // namespace
 
-Error
-differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer)
-{
+Error differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer) {
   if (!surface.info.oriented) {
     return {ErrorCode::kBadArgument,
             "leaves that differ in orientation have no partition of unity; fit the surface with "

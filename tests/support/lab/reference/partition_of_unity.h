@@ -43,10 +43,10 @@ class PartitionOfUnity {
   std::unique_ptr<Index> index_;
 };
 
-/** \brief Puts the derivatives of a surface's partition of unity (eq. 8, right) at a frame's positions in place
- * of the blended ones: normals, and gradients, Hessians and curvatures where the buffer has them. Refused for
- * leaves that differ in orientation. \param[in,out] buffer with positions. O(covered pixels * leaves near each). */
-Error
-differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer);
+/** \brief Puts the derivatives of a surface's partition of unity (eq. 8, right) at a frame's
+ * positions in place of the blended ones: normals, and gradients, Hessians and curvatures where the
+ * buffer has them. Refused for leaves that differ in orientation. \param[in,out] buffer with
+ * positions. O(covered pixels * leaves near each). */
+Error differentiateInSpace(const SLIMSurface& surface, int threads, GBuffer& buffer);
 
 }  // namespace pcl_slim::lab

@@ -23,9 +23,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 enum class Visibility : std::uint8_t { kVisible, kOutside, kBackFacing };
 
 /** \brief True when grad f . d > 0 for every point of the ball and every ray through it. */
-bool
-turnedAway(const SLIMSurface& surface, std::size_t i, const CameraRays& rays, const Vector3& center)
-{
+bool turnedAway(const SLIMSurface& surface, std::size_t i, const CameraRays& rays,
+                const Vector3& center) {
   const Vector3 normal{surface.nx[i], surface.ny[i], surface.nz[i]};
   const double cosine = std::clamp(dot(normal, rays.directionTo(center)), -1.0, 1.0);
   const double spread =
@@ -33,10 +32,8 @@ turnedAway(const SLIMSurface& surface, std::size_t i, const CameraRays& rays, co
   return std::acos(cosine) + spread < 0.5 * M_PI - 1e-6;
 }
 
-Visibility
-classify(const SLIMSurface& surface, std::size_t i, const CameraRays& rays, double shrink,
-         double near_plane, bool front_only, VisibleLeaf& leaf)
-{
+Visibility classify(const SLIMSurface& surface, std::size_t i, const CameraRays& rays,
+                    double shrink, double near_plane, bool front_only, VisibleLeaf& leaf) {
   const Vector3 center{surface.cx[i], surface.cy[i], surface.cz[i]};
   const double radius = surface.radius[i];
   leaf.blend = rays.pixelsOfBall(center, radius);
@@ -50,10 +47,9 @@ classify(const SLIMSurface& surface, std::size_t i, const CameraRays& rays, doub
 
 /** \brief Culls leaves against the frustum and, with front_only, by their cone of normals, and
  * sorts the rest into tiles. Counts what was left out. O(leaves + entries log entries). */
-SurfelBins
-binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size, double shrink,
-          double near_plane, bool front_only, int threads, RenderStatistics& statistics)
-{
+SurfelBins binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size,
+                     double shrink, double near_plane, bool front_only, int threads,
+                     RenderStatistics& statistics) {
   std::vector<std::uint32_t> candidates;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) candidates.push_back(static_cast<std::uint32_t>(i));
@@ -97,8 +93,7 @@ struct Tile {
 
   /** \brief Takes up tile number t of a frame and prepares its rays. */
   void begin(const FrameContext& frame, const ImageSize& size, std::size_t t);
-  std::size_t index(int x, int y) const
-  {
+  std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y - y0) * kTileSize + static_cast<std::size_t>(x - x0);
   }
   /** \brief The part of a rectangle inside this tile. */
@@ -106,9 +101,7 @@ struct Tile {
 };
 
 /** \brief Largest first depth of the pending pixels: the rays' far ends until each has one. */
-double
-farthestFirst(const Tile& tile)
-{
+double farthestFirst(const Tile& tile) {
   double depth = 0.0;
   for (int y = tile.pending.y0; y <= tile.pending.y1; ++y) {
     for (int x = tile.pending.x0; x <= tile.pending.x1; ++x) {
@@ -119,9 +112,7 @@ farthestFirst(const Tile& tile)
   return depth;
 }
 
-void
-Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
-{
+void Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t) {
   const auto columns = static_cast<std::size_t>(frame.bins.columns);
   x0 = static_cast<int>(t % columns) * kTileSize;
   y0 = static_cast<int>(t / columns) * kTileSize;
@@ -144,18 +135,14 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   first_depth = farthest;
 }
 
-PixelRect
-Tile::clip(const PixelRect& rect) const
-{
+PixelRect Tile::clip(const PixelRect& rect) const {
   return {std::max(rect.x0, pending.x0), std::max(rect.y0, pending.y0),
           std::min(rect.x1, pending.x1), std::min(rect.y1, pending.y1)};
 }
 
 /** \brief Pass 1: the first intersection of each ray with a leaf inside its shrunk ball. */
-void
-findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
-                       RenderStatistics& statistics)
-{
+void findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
+                            RenderStatistics& statistics) {
   constexpr std::uint64_t kLookEvery = 16;  // entries between looks at the whole tile's depth
   const SurfelBins& bins = frame.bins;
   for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
@@ -181,9 +168,8 @@ findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
 }
 
 /** \brief Pass 2: sums over the leaves whose ball contains q^, each at its root nearest to q^. */
-void
-gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatistics& statistics)
-{
+void gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile,
+                  RenderStatistics& statistics) {
   const SurfelBins& bins = frame.bins;
   double last = 0.0;
   for (std::size_t i = 0; i < tile.first_depth.size(); ++i) {
@@ -209,9 +195,7 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
 
 /** \brief Sends pixels whose blend is not covered back to pass 1, to look behind it.
  * \return false when there are none. */
-bool
-peelUncovered(const FrameContext& frame, Tile& tile)
-{
+bool peelUncovered(const FrameContext& frame, Tile& tile) {
   // Nothing well covered is within a leaf's reach of an uncovered q^, or it would have been
   // blended: a step of a share of its radius passes over the other leaves of the same flap.
   PixelRect left;
@@ -238,10 +222,8 @@ peelUncovered(const FrameContext& frame, Tile& tile)
 }
 
 /** \brief Divides the sums and writes the tile's pixels into the buffer. */
-void
-resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
-            RenderStatistics& statistics)
-{
+void resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
+                 RenderStatistics& statistics) {
   for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
     for (int x = tile.x0; x < tile.x0 + tile.width; ++x) {
       const std::size_t pixel = tile.index(x, y);
@@ -259,10 +241,8 @@ resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
  * \param[in,out] buffer of the camera's size, marked as met by nothing
  * Cost: O(leaves + sum of visible balls' pixels).
  */
-void
-drawLeaves(const SLIMSurface& surface, const Camera& camera, const FrameRules& rules,
-                GBuffer& buffer, RenderStatistics& statistics)
-{
+void drawLeaves(const SLIMSurface& surface, const Camera& camera, const FrameRules& rules,
+                GBuffer& buffer, RenderStatistics& statistics) {
   const CameraRays rays(camera, surface.info.origin, surface.info.scale);
   const SurfelBins bins = binLeaves(surface, rays, camera.size, rules.shrink, rules.near_plane,
                                     rules.front_only && rules.skip, rules.threads, statistics);
@@ -289,15 +269,11 @@ struct ReferenceRenderer::State {
 };
 
 ReferenceRenderer::ReferenceRenderer(const SLIMSurface& surface)
-    : state_(new State{surface, surface.validate(), SurfacePainter(surface), GapCloser(surface)})
-{
-}
+    : state_(new State{surface, surface.validate(), SurfacePainter(surface), GapCloser(surface)}) {}
 
 ReferenceRenderer::~ReferenceRenderer() = default;
 
-Error
-ReferenceRenderer::check(const Camera& camera, const RenderParams& params) const
-{
+Error ReferenceRenderer::check(const Camera& camera, const RenderParams& params) const {
   if (Error error = camera.validate()) return error;
   if (Error error = params.validate()) return error;
   if (params.lod > 0.0) {
@@ -307,10 +283,8 @@ ReferenceRenderer::check(const Camera& camera, const RenderParams& params) const
   return state_->defect;
 }
 
-Error
-ReferenceRenderer::render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
-                          RenderStatistics* statistics)
-{
+Error ReferenceRenderer::render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
+                                RenderStatistics* statistics) {
   if (Error error = check(camera, params)) {
     buffer.resize(0, 0);
     return error;
@@ -334,10 +308,8 @@ ReferenceRenderer::render(const Camera& camera, const RenderParams& params, GBuf
   return {};
 }
 
-Error
-renderReference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
-                GBuffer& buffer, RenderStatistics* statistics)
-{
+Error renderReference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
+                      GBuffer& buffer, RenderStatistics* statistics) {
   return ReferenceRenderer(surface).render(camera, params, buffer, statistics);
 }
 

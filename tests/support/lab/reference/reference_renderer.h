@@ -10,8 +10,8 @@
 
 namespace pcl_slim::lab {
 
-/** \brief Draws what SurfaceRenderer draws, to compare with: in double, leaf by leaf and ray by ray. Slow.
- * RenderParams::lod is refused. */
+/** \brief Draws what SurfaceRenderer draws, to compare with: in double, leaf by leaf and ray by
+ * ray. Slow. RenderParams::lod is refused. */
 class ReferenceRenderer {
  public:
   /** \brief The surface must outlive this object. */
@@ -30,8 +30,7 @@ class ReferenceRenderer {
 };
 
 /** \brief A single frame. */
-Error
-renderReference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
-                GBuffer& buffer, RenderStatistics* statistics = nullptr);
+Error renderReference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
+                      GBuffer& buffer, RenderStatistics* statistics = nullptr);
 
 }  // namespace pcl_slim::lab

@@ -16,9 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 /** Numbers of the lanes that packing by a mask of bits stores, once as floats, once as integers. */
-std::size_t
-packLanes(std::uint32_t bits, float* floats, std::uint32_t* integers)
-{
+std::size_t packLanes(std::uint32_t bits, float* floats, std::uint32_t* integers) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToUnsigned<decltype(d)> du;
   const auto lane = hn::Iota(du, 0);
@@ -29,9 +27,7 @@ packLanes(std::uint32_t bits, float* floats, std::uint32_t* integers)
   return packing.count();
 }
 
-std::size_t
-numLanes()
-{
+std::size_t numLanes() {
   return hn::Lanes(hn::CappedTag<float, 16>());
 }
 
@@ -44,8 +40,7 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(packLanes);
 HWY_EXPORT(numLanes);
 
-TEST(LanePacking, PutsTheLanesOfEveryMaskInOrder)
-{
+TEST(LanePacking, PutsTheLanesOfEveryMaskInOrder) {
   pcl_slim_test::forEachInstructionSet([](const char* name) {
     SCOPED_TRACE(name);
     const std::size_t lanes = HWY_DYNAMIC_DISPATCH(numLanes)();

@@ -13,9 +13,7 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim::detail;
 
-CellTree
-treeOfSphere(double tolerance, int threads = 1)
-{
+CellTree treeOfSphere(double tolerance, int threads = 1) {
   const auto fit =
       pcl_slim_test::fitted(pcl_slim_test::sceneCloud(measure::Shape::kSphere, 3000, 0));
   CellTree tree;
@@ -23,8 +21,7 @@ treeOfSphere(double tolerance, int threads = 1)
   return tree;
 }
 
-TEST(CellTree, CellsFillTheRootInMortonOrder)
-{
+TEST(CellTree, CellsFillTheRootInMortonOrder) {
   const CellTree tree = treeOfSphere(1e-4);
   double volume = 0;
   for (const CellPlace& cell : tree.cells()) volume += std::pow(0.125, cell.depth);
@@ -34,8 +31,7 @@ TEST(CellTree, CellsFillTheRootInMortonOrder)
   EXPECT_EQ(tree.cells().size() % 7, 1u) << "each division adds seven cells";
 }
 
-TEST(CellTree, ThreadsDoNotMatter)
-{
+TEST(CellTree, ThreadsDoNotMatter) {
   const CellTree one = treeOfSphere(1e-4, 1), four = treeOfSphere(1e-4, 4);
   ASSERT_EQ(one.cells().size(), four.cells().size());
   for (std::size_t i = 0; i < one.cells().size(); ++i) {
@@ -44,8 +40,7 @@ TEST(CellTree, ThreadsDoNotMatter)
   }
 }
 
-TEST(CellTree, SplitDividesTheCellsNamed)
-{
+TEST(CellTree, SplitDividesTheCellsNamed) {
   CellTree tree = treeOfSphere(1e-3);
   const std::size_t before = tree.cells().size();
   const CellPlace third = tree.cells()[3];
@@ -57,14 +52,11 @@ TEST(CellTree, SplitDividesTheCellsNamed)
 
 using EdgeKey = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
-EdgeKey
-keyOf(const CellEdge& edge)
-{
+EdgeKey keyOf(const CellEdge& edge) {
   return {edge.low[0], edge.low[1], edge.low[2], edge.axis, edge.depth};
 }
 
-TEST(CellEdges, FreshOnesAreThoseOfDividedCells)
-{
+TEST(CellEdges, FreshOnesAreThoseOfDividedCells) {
   CellTree tree = treeOfSphere(1e-3);
   std::vector<std::uint32_t> divided;
   for (const CellNode& node : tree.nodes()) {
@@ -87,8 +79,7 @@ TEST(CellEdges, FreshOnesAreThoseOfDividedCells)
   EXPECT_LT(fresh.size(), all.size() / 2);
 }
 
-TEST(CellEdges, AreMinimalUniqueAndSurroundedByTheirCells)
-{
+TEST(CellEdges, AreMinimalUniqueAndSurroundedByTheirCells) {
   CellTree tree = treeOfSphere(1e-3);
   tree.split({tree.nodes()[tree.nodes().size() / 2].cell});
   const auto edges = cellEdges(tree);

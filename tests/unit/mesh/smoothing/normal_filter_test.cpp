@@ -11,8 +11,7 @@ using namespace pcl_slim;
 using namespace pcl_slim::detail;
 using pcl_slim_test::cubeMesh;
 
-TEST(NormalFilter, KeepsFacesOfACubeApart)
-{
+TEST(NormalFilter, KeepsFacesOfACubeApart) {
   const auto mesh = cubeMesh(6);
   const MeshTopology topology(mesh.faces, mesh.vertices.size());
   const FaceGeometry geometry = measureFaces(mesh.vertices, mesh.faces, 1);
@@ -29,8 +28,7 @@ TEST(NormalFilter, KeepsFacesOfACubeApart)
   EXPECT_LT(blunt_least, 0.9);
 }
 
-TEST(NormalFilter, MendsALoneNormalAndNoOther)
-{
+TEST(NormalFilter, MendsALoneNormalAndNoOther) {
   const auto mesh = cubeMesh(6);
   const MeshTopology topology(mesh.faces, mesh.vertices.size());
   const FaceGeometry geometry = measureFaces(mesh.vertices, mesh.faces, 1);
@@ -44,8 +42,7 @@ TEST(NormalFilter, MendsALoneNormalAndNoOther)
   }
 }
 
-TEST(FaceGeometry, SharpShareTellsCubesFromSpheres)
-{
+TEST(FaceGeometry, SharpShareTellsCubesFromSpheres) {
   const auto cube = cubeMesh(8), sphere = pcl_slim_test::sphereMesh(8);
   const auto share = [](const pcl_slim_test::TestMesh& mesh) {
     const MeshTopology topology(mesh.faces, mesh.vertices.size());

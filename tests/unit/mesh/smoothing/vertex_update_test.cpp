@@ -19,8 +19,7 @@ struct Moved {
 
   explicit Moved(TestMesh made) : mesh(std::move(made)) {}
   MovingMesh moving() { return {mesh.faces, topology, mesh.vertices, held, 1}; }
-  double leastAgreement() const
-  {
+  double leastAgreement() const {
     double least = 1;
     const FaceGeometry now = measureFaces(mesh.vertices, mesh.faces, 1);
     for (std::size_t f = 0; f < now.normals.size(); ++f) {
@@ -30,8 +29,7 @@ struct Moved {
   }
 };
 
-TEST(VertexUpdate, FacesTakeTheNormalsGiven)
-{
+TEST(VertexUpdate, FacesTakeTheNormalsGiven) {
   Moved cube(cubeMesh(8));
   addNoise(0.02, cube.mesh);
   const double before = cube.leastAgreement();
@@ -40,8 +38,7 @@ TEST(VertexUpdate, FacesTakeTheNormalsGiven)
   EXPECT_GT(cube.leastAgreement(), 0.999);
 }
 
-TEST(VertexUpdate, QuadricsFindEdgesAndCorners)
-{
+TEST(VertexUpdate, QuadricsFindEdgesAndCorners) {
   Moved cube(cubeMesh(4));
   const auto places = cube.true_faces.centroids;
   const auto exact = cube.mesh.vertices;
@@ -56,8 +53,7 @@ TEST(VertexUpdate, QuadricsFindEdgesAndCorners)
   }
 }
 
-TEST(VertexUpdate, NoFaceTurnsOver)
-{
+TEST(VertexUpdate, NoFaceTurnsOver) {
   Moved cube(cubeMesh(4));
   // Normals so askew that following them would turn faces over.
   auto normals = cube.true_faces.normals;
@@ -75,8 +71,7 @@ TEST(VertexUpdate, NoFaceTurnsOver)
   }
 }
 
-TEST(VertexUpdate, UnfoldsAFaceTurnedOver)
-{
+TEST(VertexUpdate, UnfoldsAFaceTurnedOver) {
   Moved sphere(sphereMesh(6));
   // A vertex drawn far over its neighbours turns some of its faces over.
   const std::uint32_t v = sphere.mesh.faces[20][0];

@@ -11,9 +11,7 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim::detail;
 
-TriangleMesh
-triangles(const std::vector<Triangle>& made, std::size_t vertices)
-{
+TriangleMesh triangles(const std::vector<Triangle>& made, std::size_t vertices) {
   TriangleMesh mesh;
   mesh.vertices.resize(vertices);
   mesh.triangles = made;
@@ -21,15 +19,12 @@ triangles(const std::vector<Triangle>& made, std::size_t vertices)
 }
 
 /** A tetrahedron's four triangles over vertices a b c d. */
-void
-addTetrahedron(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d,
-               std::vector<Triangle>& made)
-{
+void addTetrahedron(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d,
+                    std::vector<Triangle>& made) {
   made.insert(made.end(), {{a, b, c}, {a, c, d}, {a, d, b}, {b, d, c}});
 }
 
-TEST(Census, CountsAClosedMesh)
-{
+TEST(Census, CountsAClosedMesh) {
   const auto cube = pcl_slim_test::cubeMesh(4);
   TriangleMesh mesh = triangles({}, cube.vertices.size() + 2);
   for (std::size_t f = 0; f < cube.faces.size(); ++f) {
@@ -51,8 +46,7 @@ TEST(Census, CountsAClosedMesh)
   EXPECT_EQ(census.euler, 1);
 }
 
-TEST(Fans, BodiesThatShareAnEdgeAreParted)
-{
+TEST(Fans, BodiesThatShareAnEdgeAreParted) {
   std::vector<Triangle> made;
   addTetrahedron(0, 1, 2, 3, made);
   addTetrahedron(0, 1, 4, 5, made);
@@ -67,8 +61,7 @@ TEST(Fans, BodiesThatShareAnEdgeAreParted)
   EXPECT_EQ(after.euler, 4);
 }
 
-TEST(Fans, BodiesThatShareAVertexAreParted)
-{
+TEST(Fans, BodiesThatShareAVertexAreParted) {
   std::vector<Triangle> made;
   addTetrahedron(0, 1, 2, 3, made);
   addTetrahedron(0, 4, 5, 6, made);
@@ -78,8 +71,7 @@ TEST(Fans, BodiesThatShareAVertexAreParted)
   EXPECT_TRUE(separateFans(8, made, 1).empty()) << "nothing is left to part";
 }
 
-TEST(Fans, SidesAreThoseOfMost)
-{
+TEST(Fans, SidesAreThoseOfMost) {
   std::vector<Triangle> made;
   addTetrahedron(0, 1, 2, 3, made);
   addTetrahedron(4, 5, 6, 7, made);

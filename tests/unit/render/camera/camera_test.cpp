@@ -17,9 +17,7 @@ namespace {
 using namespace test;
 
 /** \brief Bounds of the covered pixels: x0, y0, x1, y1. */
-std::array<int, 4>
-coveredBounds(const GBuffer& buffer)
-{
+std::array<int, 4> coveredBounds(const GBuffer& buffer) {
   std::array<int, 4> bounds{buffer.width, buffer.height, -1, -1};
   for (int y = 0; y < buffer.height; ++y) {
     for (int x = 0; x < buffer.width; ++x) {
@@ -31,23 +29,18 @@ coveredBounds(const GBuffer& buffer)
   return bounds;
 }
 
-GBuffer
-rendered(const SLIMSurface& surface, const Camera& camera)
-{
+GBuffer rendered(const SLIMSurface& surface, const Camera& camera) {
   GBuffer buffer;
   const Error error = renderSurface(surface, camera, {}, buffer);
   EXPECT_FALSE(error) << error.message;
   return buffer;
 }
 
-void
-expectDirection(const std::array<double, 3>& actual, const std::array<double, 3>& expected)
-{
+void expectDirection(const std::array<double, 3>& actual, const std::array<double, 3>& expected) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(actual[k], expected[k], 1e-12);
 }
 
-TEST(MayBeSeen, HoldsForEveryBoxThatIsInThePicture)
-{
+TEST(MayBeSeen, HoldsForEveryBoxThatIsInThePicture) {
   const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   std::size_t hidden = 0;
   for (const bool parallel : {false, true}) {
@@ -80,8 +73,7 @@ TEST(MayBeSeen, HoldsForEveryBoxThatIsInThePicture)
   EXPECT_TRUE(mayBeSeen(behind, {{{-1, -1, -20}, {1, 1, 1}}}));
 }
 
-TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
-{
+TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred) {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
   surface.info.origin = {5000.0, 300.0, -20.0};
   surface.info.scale = 4.0;
@@ -97,8 +89,7 @@ TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
   }
 }
 
-TEST(FitCamera, OrthographicFramesAsWell)
-{
+TEST(FitCamera, OrthographicFramesAsWell) {
   const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
   const Camera camera =
       fitOrthographicCamera(spheresOf(surface), viewFromAngles(UpAxis::kY, 20.0, 10.0), {120, 160});
@@ -110,8 +101,7 @@ TEST(FitCamera, OrthographicFramesAsWell)
   EXPECT_NEAR(b[1] + b[3], 159, 3);
 }
 
-TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
-{
+TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject) {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   const ViewDirection view = viewFromAngles(UpAxis::kZ, 0.0, 0.0);
   const Camera before = fitCamera(spheresOf(surface), view, {160, 120});
@@ -121,8 +111,7 @@ TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
 }
 
 // Of two spheres none is a stray, on whichever axes they lie apart.
-TEST(FitCamera, TwoSpheresAreBothFramed)
-{
+TEST(FitCamera, TwoSpheresAreBothFramed) {
   BoundingSpheres object;
   object.scale = 1e-38;
   object.spheres = {{{0.0f, 0.01f, 0.0f}, 0.2f, {0.0f, 0.0f, 1.0f}},
@@ -132,8 +121,7 @@ TEST(FitCamera, TwoSpheresAreBothFramed)
   EXPECT_FALSE(camera.validate());
 }
 
-TEST(FitCamera, APieceApartIsNotFramedButLargeOnesAre)
-{
+TEST(FitCamera, APieceApartIsNotFramedButLargeOnesAre) {
   const SLIMSurface sphere = sphereSurface(4, 0.25, 600, 0.07);
   const ViewDirection view = viewFromAngles(UpAxis::kZ, 0.0, 0.0);
   const Camera before = fitCamera(spheresOf(sphere), view, {160, 120});
@@ -152,8 +140,7 @@ TEST(FitCamera, APieceApartIsNotFramedButLargeOnesAre)
   EXPECT_NEAR(fitCamera(two, view, {160, 120}).position[0], 0.5, 0.03);
 }
 
-TEST(FitCamera, AMarginAtTheRightStaysFree)
-{
+TEST(FitCamera, AMarginAtTheRightStaysFree) {
   const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
   const ViewDirection view = viewFromAngles(UpAxis::kZ, 30.0, 20.0);
   for (const bool parallel : {false, true}) {
@@ -167,8 +154,7 @@ TEST(FitCamera, AMarginAtTheRightStaysFree)
   }
 }
 
-TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
-{
+TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras) {
   SLIMSurface surface;
   EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
   EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60})
@@ -179,8 +165,7 @@ TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
                    .validate());
 }
 
-TEST(ViewFromAngles, StandsWhereTheConventionSays)
-{
+TEST(ViewFromAngles, StandsWhereTheConventionSays) {
   expectDirection(viewFromAngles(UpAxis::kZ, 0.0, 0.0).towards_viewer, {0.0, -1.0, 0.0});
   expectDirection(viewFromAngles(UpAxis::kZ, 90.0, 0.0).towards_viewer, {1.0, 0.0, 0.0});
   expectDirection(viewFromAngles(UpAxis::kZ, 0.0, 90.0).towards_viewer, {0.0, 0.0, 1.0});
@@ -191,9 +176,7 @@ TEST(ViewFromAngles, StandsWhereTheConventionSays)
 }
 
 /** \brief The sphere's leaves stretched along each axis (their polynomials do not matter here). */
-SLIMSurface
-stretched(double x, double y, double z)
-{
+SLIMSurface stretched(double x, double y, double z) {
   SLIMSurface surface = sphereSurface(2, 1.0, 500, 0.05);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     surface.cx[i] *= static_cast<float>(x);
@@ -203,8 +186,7 @@ stretched(double x, double y, double z)
   return surface;
 }
 
-TEST(GuessUpAxis, StatuesStandAndTerrainLies)
-{
+TEST(GuessUpAxis, StatuesStandAndTerrainLies) {
   EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.2, 0.4))), UpAxis::kZ);
   EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.4, 0.2))), UpAxis::kY);
   EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.3, 0.3))), UpAxis::kZ);
@@ -216,8 +198,7 @@ TEST(GuessUpAxis, StatuesStandAndTerrainLies)
   EXPECT_EQ(guessUpAxis(spheresOf(map)), UpAxis::kZ);
 }
 
-TEST(GuessUpAxis, AHeadThatIsAsDeepAsHighStandsOnItsNeck)
-{
+TEST(GuessUpAxis, AHeadThatIsAsDeepAsHighStandsOnItsNeck) {
   // Cut off below, it is hardly longer along z than along y.
   SLIMSurface head = stretched(0.26, 0.36, 0.301);
   for (std::size_t i = 0; i < head.size(); ++i) {
@@ -238,15 +219,13 @@ TEST(GuessUpAxis, AHeadThatIsAsDeepAsHighStandsOnItsNeck)
   EXPECT_EQ(guessUpAxis(spheresOf(bust)), UpAxis::kY);
 }
 
-TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide)
-{
+TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide) {
   const ViewDirection view = chooseView(spheresOf(stretched(0.5, 0.2, 0.01)));
   EXPECT_GT(view.towards_viewer[2], 0.5);
   EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
 }
 
-TEST(ChooseView, MapsAreSeenFromAboveHoweverHighTheirTrees)
-{
+TEST(ChooseView, MapsAreSeenFromAboveHoweverHighTheirTrees) {
   SLIMSurface map = stretched(0.5, 0.2, 0.25);
   const double beside = chooseView(spheresOf(map)).towards_viewer[2];
   EXPECT_LT(beside, 0.4);
@@ -257,8 +236,7 @@ TEST(ChooseView, MapsAreSeenFromAboveHoweverHighTheirTrees)
   EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
 }
 
-TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
-{
+TEST(ChooseView, OneSidedScanIsSeenFromItsSide) {
   SLIMSurface surface = stretched(0.25, 0.25, 0.4);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.nx[i] > 0.1f) surface.flags[i] = 0;  // nothing measured at +x
@@ -268,8 +246,7 @@ TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
   EXPECT_GT(chooseView(spheresOf(surface)).towards_viewer[0], 0.0);
 }
 
-TEST(FitCamera, SeesWhatLiesWhereAUnitIsLost)
-{
+TEST(FitCamera, SeesWhatLiesWhereAUnitIsLost) {
   SLIMSurface surface = stretched(0.25, 0.25, 0.4);
   surface.info.scale = 1e24;
   surface.info.origin = {3e25, -1e24, 2e24};
@@ -278,19 +255,17 @@ TEST(FitCamera, SeesWhatLiesWhereAUnitIsLost)
   EXPECT_FALSE(camera.validate()) << camera.validate().message;
 }
 
-TEST(ChooseView, DepthCameraIsPutBackWhereItStood)
-{
+TEST(ChooseView, DepthCameraIsPutBackWhereItStood) {
   SLIMSurface surface = sphereSurface(2, 0.4, 500, 0.05, {0.0, 0.0, 1.0});
   const ViewDirection view = chooseView(spheresOf(surface));
   EXPECT_LT(view.towards_viewer[2], -0.9);
   EXPECT_LT(view.up[1], -0.9);
 }
 
-/** The faces of a box as spheres, a point each, with outward normals; sides of it turn these inward. */
-void
-addBox(const std::array<double, 3>& low, const std::array<double, 3>& high, double spacing,
-       BoundingSpheres& object, float side = 1.0f)
-{
+/** The faces of a box as spheres, a point each, with outward normals; sides of it turn these
+ * inward. */
+void addBox(const std::array<double, 3>& low, const std::array<double, 3>& high, double spacing,
+            BoundingSpheres& object, float side = 1.0f) {
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
     for (const double end : {low[a], high[a]}) {
@@ -309,9 +284,7 @@ addBox(const std::array<double, 3>& low, const std::array<double, 3>& high, doub
 }
 
 /** Turns an object about an axis. */
-BoundingSpheres
-turned(BoundingSpheres object, std::size_t axis, double degrees)
-{
+BoundingSpheres turned(BoundingSpheres object, std::size_t axis, double degrees) {
   const auto c = static_cast<float>(std::cos(degrees * M_PI / 180)),
              s = static_cast<float>(std::sin(degrees * M_PI / 180));
   const std::size_t b = (axis + 1) % 3, d = (axis + 2) % 3;
@@ -325,8 +298,7 @@ turned(BoundingSpheres object, std::size_t axis, double degrees)
   return object;
 }
 
-TEST(GuessUpAxis, AnAnimalStandsOnItsLegsHoweverLongItIs)
-{
+TEST(GuessUpAxis, AnAnimalStandsOnItsLegsHoweverLongItIs) {
   // Along z, with a head before its legs and a tail; y is up.
   BoundingSpheres animal;
   addBox({-0.1, 0.2, -0.3}, {0.1, 0.4, 0.3}, 0.02, animal);
@@ -347,16 +319,14 @@ TEST(GuessUpAxis, AnAnimalStandsOnItsLegsHoweverLongItIs)
   EXPECT_EQ(guessUpAxis(thin), UpAxis::kY);
 }
 
-TEST(GuessUpAxis, AColumnDoesNotLieDownThoughItWouldLieBetter)
-{
+TEST(GuessUpAxis, AColumnDoesNotLieDownThoughItWouldLieBetter) {
   BoundingSpheres column;
   addBox({-0.1, -0.1, -0.4}, {0.1, 0.1, 0.4}, 0.02, column);
   for (const double angle : {0.0, -5.0, 5.0})
     EXPECT_EQ(guessUpAxis(turned(column, 0, angle)), UpAxis::kZ) << angle;
 }
 
-TEST(ChooseView, LooksDownIntoARoom)
-{
+TEST(ChooseView, LooksDownIntoARoom) {
   BoundingSpheres room;
   addBox({0, 0, 0}, {6, 4, 2.5}, 0.1, room, -1.0f);
   addBox({1, 1, 0}, {2, 2, 0.8}, 0.1, room);
@@ -373,8 +343,7 @@ TEST(ChooseView, LooksDownIntoARoom)
   EXPECT_FALSE(isSeenFromInside(spheresOf(stretched(0.2, 0.2, 0.4))));
 }
 
-TEST(ChooseView, AMapAsLongAsWideIsSeenFromTheFrontHoweverItIsSampled)
-{
+TEST(ChooseView, AMapAsLongAsWideIsSeenFromTheFrontHoweverItIsSampled) {
   // A fortieth longer along a diagonal: no reason to turn the picture.
   const ViewDirection square = chooseView(turned(spheresOf(stretched(0.41, 0.4, 0.01)), 2, 45));
   EXPECT_NEAR(square.towards_viewer[0], 0.0, 0.05);
@@ -382,8 +351,7 @@ TEST(ChooseView, AMapAsLongAsWideIsSeenFromTheFrontHoweverItIsSampled)
   EXPECT_GT(std::abs(strip.towards_viewer[0]), 0.4);
 }
 
-TEST(FitCamera, FramesWhereThePointsAreNotTheFarEnd)
-{
+TEST(FitCamera, FramesWhereThePointsAreNotTheFarEnd) {
   // A lidar: most points near by, few of large discs far away; and a spit off a coast.
   BoundingSpheres coast;
   addBox({0, 0, 0}, {1, 1, 0.05}, 0.02, coast);

@@ -15,9 +15,7 @@ namespace {
 using namespace test;
 
 /** \brief A long thing with a foot at one end: turned, it is far wider than seen along. */
-BoundingSpheres
-longObject()
-{
+BoundingSpheres longObject() {
   BoundingSpheres object;
   object.origin = {500.0, -20.0, 3.0};
   object.scale = 2.0;
@@ -32,9 +30,8 @@ longObject()
 
 /** \brief How far a sphere's centre lies from the picture's middle, 1 at its edge, in the worse of
  * both directions. */
-double
-offMiddle(const BoundingSphere& sphere, const BoundingSpheres& object, const Camera& camera)
-{
+double offMiddle(const BoundingSphere& sphere, const BoundingSpheres& object,
+                 const Camera& camera) {
   const auto& c = sphere.center;
   const Vector3 at = along(object.origin, object.scale, {c[0], c[1], c[2]});
   const Vector3 forward = normalized(subtract(camera.look_at, camera.position));
@@ -47,8 +44,7 @@ offMiddle(const BoundingSphere& sphere, const BoundingSpheres& object, const Cam
   return std::max(std::abs(dot(to, right)) / (half * aspect), std::abs(dot(to, up)) / half);
 }
 
-TEST(SweptAbout, ACameraThatFramesItSeesTheObjectFromEverySide)
-{
+TEST(SweptAbout, ACameraThatFramesItSeesTheObjectFromEverySide) {
   const BoundingSpheres object = longObject();
   const ViewDirection view = viewFromAngles(UpAxis::kZ, 90.0, 20.0);
   const Vector3 axis{0.0, 0.0, 1.0};
@@ -69,8 +65,7 @@ TEST(SweptAbout, ACameraThatFramesItSeesTheObjectFromEverySide)
   }
 }
 
-TEST(SweptAbout, AnEmptyObjectStaysAsItIs)
-{
+TEST(SweptAbout, AnEmptyObjectStaysAsItIs) {
   BoundingSpheres object;
   object.origin = {1.0, 2.0, 3.0};
   const BoundingSpheres swept = sweptAbout(object, {0.0, 1.0, 0.0});
@@ -78,13 +73,13 @@ TEST(SweptAbout, AnEmptyObjectStaysAsItIs)
   EXPECT_EQ(swept.origin, object.origin);
 }
 
-TEST(TurnedCamera, KeepsUprightWhatStandsUpright)
-{
+TEST(TurnedCamera, KeepsUprightWhatStandsUpright) {
   const ViewDirection view = viewFromAngles(UpAxis::kY, 0.0, 40.0);
   const Camera first = fitCamera(longObject(), view, {160, 120});
   const Vector3 axis{0.0, 2.0, 0.0}, pivot{500.0, -19.0, 3.2};
   const Camera quarter = turnedCamera(first, pivot, axis, 1, 4);
-  // Height above the pivot, distance, slope and upward direction stay; the viewer goes to the right.
+  // Height above the pivot, distance, slope and upward direction stay; the viewer goes to the
+  // right.
   EXPECT_NEAR(quarter.position[1], first.position[1], 1e-12);
   EXPECT_NEAR(quarter.position[0] - pivot[0], first.position[2] - pivot[2], 1e-12);
   EXPECT_NEAR(quarter.up[1], first.up[1], 1e-12);
@@ -92,8 +87,7 @@ TEST(TurnedCamera, KeepsUprightWhatStandsUpright)
               1e-12);
 }
 
-TEST(UpwardsIn, IsTheAxisHoweverFarTheViewLooksDown)
-{
+TEST(UpwardsIn, IsTheAxisHoweverFarTheViewLooksDown) {
   BoundingSpheres terrain = longObject();
   for (BoundingSphere& sphere : terrain.spheres) sphere.center[2] *= 0.01f;
   EXPECT_EQ(upwardsIn(terrain, UpAxis::kZ), (Vector3{0.0, 0.0, 1.0}));

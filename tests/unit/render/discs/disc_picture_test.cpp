@@ -13,8 +13,7 @@ namespace {
 
 using namespace test;
 
-TEST(DiscPicture, UnlitColorsAreTheDiscsOwn)
-{
+TEST(DiscPicture, UnlitColorsAreTheDiscsOwn) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.6, 0.0, 1.0}, 0.3, 0x1e90ff);
   ShadingParams shading;
@@ -30,8 +29,7 @@ TEST(DiscPicture, UnlitColorsAreTheDiscsOwn)
   EXPECT_EQ(pixelOf(*lit, 0, 0), pixelOf(*flat, 0, 0));
 }
 
-TEST(DiscPicture, SupersamplingSoftensTheRim)
-{
+TEST(DiscPicture, SupersamplingSoftensTheRim) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.4, 0x000000);
   ShadingParams shading;
@@ -47,8 +45,7 @@ TEST(DiscPicture, SupersamplingSoftensTheRim)
   }
 }
 
-TEST(DiscPicture, ModesThatDiscsOrSurfacesLackAreRefused)
-{
+TEST(DiscPicture, ModesThatDiscsOrSurfacesLackAreRefused) {
   const SplatSet set = discSphere(0.5, 100, 0.1);
   ShadingParams shading;
   for (const ShadingMode mode : {ShadingMode::kMean, ShadingMode::kLevel}) {
@@ -68,8 +65,7 @@ TEST(DiscPicture, ModesThatDiscsOrSurfacesLackAreRefused)
 }
 
 // The whole object is in view and fills most of it, wherever it lies.
-TEST(DiscPicture, CamerasFrameDiscs)
-{
+TEST(DiscPicture, CamerasFrameDiscs) {
   SplatSet set = discSphere(0.5, 2000, 0.04);
   set.origin = {637000.0, 851000.0, 500.0};
   const BoundingSpheres object = spheresOf(set);

@@ -14,40 +14,31 @@ namespace {
 
 using namespace test;
 
-DiscRenderParams
-unfiltered()
-{
+DiscRenderParams unfiltered() {
   DiscRenderParams params;
   params.filtered = false;
   return params;
 }
 
-GBuffer
-rendered(const SplatSet& set, const Camera& camera, const DiscRenderParams& params = {},
-         DiscRenderStatistics* statistics = nullptr)
-{
+GBuffer rendered(const SplatSet& set, const Camera& camera, const DiscRenderParams& params = {},
+                 DiscRenderStatistics* statistics = nullptr) {
   GBuffer buffer;
   const Error error = renderDiscs(set, camera, params, buffer, statistics);
   EXPECT_FALSE(error) << error.message;
   return buffer;
 }
 
-std::array<double, 3>
-bytesOf(std::uint32_t rgb)
-{
+std::array<double, 3> bytesOf(std::uint32_t rgb) {
   return {double(rgb >> 16 & 255u), double(rgb >> 8 & 255u), double(rgb & 255u)};
 }
 
-double
-weightOf(double distance, double radius)
-{
+double weightOf(double distance, double radius) {
   return std::pow(1.0 - distance * distance / (radius * radius), 2.0);
 }
 
 // A slanting disc in perspective is an exact conic: every pixel agrees with the ray that it stands
 // for, but for those within float's rounding of the rim.
-TEST(DiscRasterizer, OneDiscIsWhereRaysMeetIt)
-{
+TEST(DiscRasterizer, OneDiscIsWhereRaysMeetIt) {
   SplatSet set;
   addDisc(set, {0.13, -0.07, 0.2}, {0.8, 0.3, 0.4}, 0.45, 0x4080c0);
   const Camera camera = discCamera(160, 120);
@@ -78,8 +69,7 @@ TEST(DiscRasterizer, OneDiscIsWhereRaysMeetIt)
 
 // A disc much smaller than a pixel, wherever it lies between pixel centres, colours at least one
 // and at most four; without the filter most such discs fall between the rays.
-TEST(DiscRasterizer, FilterKeepsTinyDiscs)
-{
+TEST(DiscRasterizer, FilterKeepsTinyDiscs) {
   const Camera camera = discCamera(40, 40);
   std::size_t lost = 0;
   for (int i = 0; i < 200; ++i) {
@@ -94,8 +84,7 @@ TEST(DiscRasterizer, FilterKeepsTinyDiscs)
   EXPECT_GT(lost, 150u);
 }
 
-TEST(DiscRasterizer, FilterWidensDiscsByLessThanAPixel)
-{
+TEST(DiscRasterizer, FilterWidensDiscsByLessThanAPixel) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xffffff);
   const Camera camera = discCamera(100, 100);
@@ -107,8 +96,7 @@ TEST(DiscRasterizer, FilterWidensDiscsByLessThanAPixel)
   EXPECT_LE(rendered(edge, camera).numCovered(), 64u);
 }
 
-TEST(DiscRasterizer, OverlapIsTheWeightedMean)
-{
+TEST(DiscRasterizer, OverlapIsTheWeightedMean) {
   SplatSet set;
   addDisc(set, {-0.1, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xff0040);
   addDisc(set, {0.1, 0.05, 0.0}, {0.0, 0.0, -1.0}, 0.25, 0x20c0ff);
@@ -139,8 +127,7 @@ TEST(DiscRasterizer, OverlapIsTheWeightedMean)
   EXPECT_GT(both, 300u);
 }
 
-TEST(DiscRasterizer, OneColorStaysThatColor)
-{
+TEST(DiscRasterizer, OneColorStaysThatColor) {
   SplatSet set = discSphere(0.5, 800, 0.06);
   for (auto& rgb : set.rgb) rgb = 0x3366cc;
   const GBuffer buffer = rendered(set, discCamera(90, 90));
@@ -152,8 +139,7 @@ TEST(DiscRasterizer, OneColorStaysThatColor)
   }
 }
 
-TEST(DiscRasterizer, DiscsFartherBehindThanTheToleranceAreHidden)
-{
+TEST(DiscRasterizer, DiscsFartherBehindThanTheToleranceAreHidden) {
   const Camera camera = discCamera(100, 100);
   SplatSet front;
   addDisc(front, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xff0000);
@@ -177,8 +163,7 @@ TEST(DiscRasterizer, DiscsFartherBehindThanTheToleranceAreHidden)
 
 // The tolerance lies across the surface: along a slanting ray two discs of one plane may be far
 // apart, and a wall's rim does not mix with the floor far behind.
-TEST(DiscRasterizer, SlantingPlanesBlendAndWallsDoNot)
-{
+TEST(DiscRasterizer, SlantingPlanesBlendAndWallsDoNot) {
   SplatSet floor;
   for (int i = -30; i <= 30; ++i) {
     for (int j = -30; j <= 30; ++j) {
@@ -205,8 +190,7 @@ TEST(DiscRasterizer, SlantingPlanesBlendAndWallsDoNot)
   EXPECT_GT(of_wall, 10u);
 }
 
-TEST(DiscRasterizer, GradientIsLinearAndClamped)
-{
+TEST(DiscRasterizer, GradientIsLinearAndClamped) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.2, 0.1, 1.0}, 0.4, 0x80f010);
   set.gradient.push_back({100, 0, 0, 0, 200, 0, 0, 0, 50});
@@ -231,8 +215,7 @@ TEST(DiscRasterizer, GradientIsLinearAndClamped)
 
 // Discs of radius q on a sphere touch it at their centres: depth is right within q^2 / 2R and a
 // little more where discs are seen aslant.
-TEST(DiscRasterizer, ASphereOfDiscsHasNoHoles)
-{
+TEST(DiscRasterizer, ASphereOfDiscsHasNoHoles) {
   const double q = 0.05, radius = 0.5;
   const GBuffer buffer = rendered(discSphere(radius, 2000, q), discCamera(120, 120));
   const Camera camera = discCamera(120, 120);
@@ -252,8 +235,7 @@ TEST(DiscRasterizer, ASphereOfDiscsHasNoHoles)
   }
 }
 
-TEST(DiscRasterizer, ThreadsAndSkippingChangeNothing)
-{
+TEST(DiscRasterizer, ThreadsAndSkippingChangeNothing) {
   const SplatSet set = discSphere(0.6, 3000, 0.05);
   for (const double distance : {2.0, 0.9, 40.0}) {
     Camera camera = discCamera(150, 110, 50.0);
@@ -273,8 +255,7 @@ TEST(DiscRasterizer, ThreadsAndSkippingChangeNothing)
   }
 }
 
-TEST(DiscRasterizer, SidesNearPlaneAndProjection)
-{
+TEST(DiscRasterizer, SidesNearPlaneAndProjection) {
   const Camera camera = discCamera(80, 80);
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.5}, {0.0, 0.0, -1.0}, 0.2, 0xff0000);
@@ -298,8 +279,7 @@ TEST(DiscRasterizer, SidesNearPlaneAndProjection)
   EXPECT_NEAR(static_cast<double>(rendered(set, parallel, unfiltered()).numCovered()), 804.0, 20.0);
 }
 
-TEST(DiscRasterizer, BadInputIsNamed)
-{
+TEST(DiscRasterizer, BadInputIsNamed) {
   const Camera camera = discCamera(20, 20);
   GBuffer buffer;
   EXPECT_FALSE(renderDiscs(SplatSet(), camera, {}, buffer));

@@ -21,8 +21,7 @@ struct Difference {
   std::size_t covered = 0, coverage = 0, far = 0;
   double depth_sq = 0.0, normal_sq = 0.0, mean_sq = 0.0, mean_size_sq = 0.0;
 
-  Difference(const GBuffer& a, const GBuffer& b, double sheet)
-  {
+  Difference(const GBuffer& a, const GBuffer& b, double sheet) {
     for (std::size_t i = 0; i < a.numPixels(); ++i) {
       coverage += a.covered(i) != b.covered(i);
       if (!a.covered(i) || !b.covered(i)) continue;
@@ -43,9 +42,7 @@ struct Difference {
   double rms(double sum) const { return std::sqrt(sum / static_cast<double>(covered)); }
 };
 
-SLIMSurface
-fittedScene(Shape shape, int degree, double noise, bool normals = true)
-{
+SLIMSurface fittedScene(Shape shape, int degree, double noise, bool normals = true) {
   FitParams params;
   params.degree = degree;
   pcl_slim_test::Cloud cloud = pcl_slim_test::sceneCloud(shape, 12000, noise, 0.02);
@@ -53,17 +50,14 @@ fittedScene(Shape shape, int degree, double noise, bool normals = true)
   return pcl_slim_test::fitted(cloud, params).surface;
 }
 
-Camera
-viewOf(const SLIMSurface& surface, int width, int height)
-{
+Camera viewOf(const SLIMSurface& surface, int width, int height) {
   const BoundingSpheres object = spheresOf(surface);
   return fitCamera(object, viewFromAngles(UpAxis::kZ, 25.0, 35.0), {width, height});
 }
 
 /** \brief A frame of each rasteriser. */
-Difference
-difference(const SLIMSurface& surface, const Camera& camera, const RenderParams& params = {})
-{
+Difference difference(const SLIMSurface& surface, const Camera& camera,
+                      const RenderParams& params = {}) {
   const GBuffer fast = rendered(surface, camera, params);
   const GBuffer reference = referenceFrame(surface, camera, params);
   return {fast, reference, 2e-3};
@@ -80,8 +74,7 @@ class FastAgainstReference : public testing::TestWithParam<ModelCase> {};
 
 // Rounding is 1e-7 of the depth; leaves of weight below 1e-4 are left out; rays that pass within
 // rounding of a rim or a threshold may fall to the other side.
-TEST_P(FastAgainstReference, PicturesAgree)
-{
+TEST_P(FastAgainstReference, PicturesAgree) {
   const ModelCase& p = GetParam();
   const SLIMSurface surface = fittedScene(p.shape, p.degree, p.noise, p.normals);
   const Camera camera = viewOf(surface, 200, 150);
@@ -105,9 +98,9 @@ INSTANTIATE_TEST_SUITE_P(Models, FastAgainstReference,
                                          ModelCase{Shape::kTorus, 2, 0.0, false},
                                          ModelCase{Shape::kTorus, 4, 0.0, false}));
 
-// Random maps leave borders everywhere: a pixel of a hundred lies next to one that rounding decides.
-TEST_P(FastAgainstReference, TrimmedPicturesAgree)
-{
+// Random maps leave borders everywhere: a pixel of a hundred lies next to one that rounding
+// decides.
+TEST_P(FastAgainstReference, TrimmedPicturesAgree) {
   const ModelCase& p = GetParam();
   SLIMSurface surface = fittedScene(p.shape, p.degree, p.noise, p.normals);
   surface.dropTrimMaps();
@@ -124,8 +117,7 @@ TEST_P(FastAgainstReference, TrimmedPicturesAgree)
   EXPECT_EQ(rendered(surface, camera, untrimmed).numCovered(), whole);
 }
 
-TEST(FastRasterizer, AgreesInParallelProjectionFromBehindAndWithANearPlane)
-{
+TEST(FastRasterizer, AgreesInParallelProjectionFromBehindAndWithANearPlane) {
   const SLIMSurface surface = fittedScene(Shape::kBumpy, 4, 0.0);
   const BoundingSpheres object = spheresOf(surface);
   const ViewDirection direction = viewFromAngles(UpAxis::kZ, 200.0, -20.0);
@@ -144,8 +136,7 @@ TEST(FastRasterizer, AgreesInParallelProjectionFromBehindAndWithANearPlane)
 }
 
 // Rays that look at one side of a box run along four others, and meet their leaves nowhere.
-TEST(FastRasterizer, RaysAlongFlatLeavesGiveNumbers)
-{
+TEST(FastRasterizer, RaysAlongFlatLeavesGiveNumbers) {
   for (const int degree : {1, 2, 3, 4}) {
     SLIMSurface surface = emptySurface(degree);
     for (const double side : {-0.2, 0.2}) {
@@ -175,8 +166,7 @@ TEST(FastRasterizer, RaysAlongFlatLeavesGiveNumbers)
 }
 
 // Leaves that face away may be what is in front.
-TEST(FastRasterizer, DrawsBothSidesAlikeWhereSidesAreInDoubt)
-{
+TEST(FastRasterizer, DrawsBothSidesAlikeWhereSidesAreInDoubt) {
   SLIMSurface surface = sphereSurface(3, kSphere, 600, 0.07);
   Camera inside = frontCamera(64, 48);
   inside.position = {0.01, 0.02, 0.0};
@@ -192,8 +182,7 @@ TEST(FastRasterizer, DrawsBothSidesAlikeWhereSidesAreInDoubt)
   EXPECT_LE(difference(surface, inside, {}).coverage, 5u);
 }
 
-TEST(FastRasterizer, AgreesNextToAndInsideTheModel)
-{
+TEST(FastRasterizer, AgreesNextToAndInsideTheModel) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   RenderParams both;
   both.sides = VisibleSides::kBoth;
@@ -208,8 +197,7 @@ TEST(FastRasterizer, AgreesNextToAndInsideTheModel)
   }
 }
 
-TEST(FastRasterizer, GrazingRaysAgree)
-{
+TEST(FastRasterizer, GrazingRaysAgree) {
   const SLIMSurface surface = fittedScene(Shape::kRelief, 4, 0.0);
   const BoundingSpheres object = spheresOf(surface);
   const Camera camera = fitCamera(object, viewFromAngles(UpAxis::kZ, 10.0, 4.0), {240, 80});
@@ -218,8 +206,7 @@ TEST(FastRasterizer, GrazingRaysAgree)
   EXPECT_LE(d.coverage + d.far, d.covered / 200 + 3);
 }
 
-TEST(FastRasterizer, TorusMeetsItsExactDepthNormalAndCurvature)
-{
+TEST(FastRasterizer, TorusMeetsItsExactDepthNormalAndCurvature) {
   const SLIMSurface surface = fittedScene(Shape::kTorus, 4, 0.0);
   const Camera camera = viewOf(surface, 160, 120);
   const GBuffer buffer = rendered(surface, camera);
@@ -254,8 +241,7 @@ TEST(FastRasterizer, TorusMeetsItsExactDepthNormalAndCurvature)
   EXPECT_LT(mean_sq, 4e-4 * mean_size_sq);
 }
 
-TEST(FastRasterizer, ThreadsSkippingAndEarlierFramesDoNotChangeAByte)
-{
+TEST(FastRasterizer, ThreadsSkippingAndEarlierFramesDoNotChangeAByte) {
   const SLIMSurface surface = fittedScene(Shape::kBumpy, 4, 0.001);
   SurfaceRenderer renderer(surface);
   const Camera camera = viewOf(surface, 150, 110);
@@ -282,8 +268,7 @@ TEST(FastRasterizer, ThreadsSkippingAndEarlierFramesDoNotChangeAByte)
   }
 }
 
-TEST(FastRasterizer, ColumnsNotAskedForStayEmptyAndChangeNothing)
-{
+TEST(FastRasterizer, ColumnsNotAskedForStayEmptyAndChangeNothing) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   RenderParams lean;
   lean.columns = 0;
@@ -295,8 +280,7 @@ TEST(FastRasterizer, ColumnsNotAskedForStayEmptyAndChangeNothing)
   EXPECT_EQ(few.surfel, all.surfel);
 }
 
-TEST(SurfaceRenderer, OneThatWasMovedFromSaysSo)
-{
+TEST(SurfaceRenderer, OneThatWasMovedFromSaysSo) {
   const SLIMSurface surface = fittedScene(Shape::kTorus, 2, 0.0);
   const Camera camera = viewOf(surface, 16, 12);
   SurfaceRenderer renderer(surface);

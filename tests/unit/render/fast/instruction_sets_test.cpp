@@ -15,9 +15,7 @@ using namespace test;
 
 /** \brief A wall that faces the camera, and one through it seen along its plane: its rays meet the
  * plane of the second nowhere but in the camera itself, where a perspective map has no depth. */
-SLIMSurface
-wallsThroughTheCamera(int degree)
-{
+SLIMSurface wallsThroughTheCamera(int degree) {
   SLIMSurface surface = emptySurface(degree);
   addRectangle(surface, {-0.25, -0.25, 0.0}, {0.5, 0.0, 0.0}, {0.0, 0.5, 0.0}, {0.0, 0.0, 1.0},
                0.03125, 0.0625);
@@ -28,8 +26,7 @@ wallsThroughTheCamera(int degree)
 
 class InstructionSets : public testing::TestWithParam<int> {};
 
-TEST_P(InstructionSets, PicturesAgreeWithTheReference)
-{
+TEST_P(InstructionSets, PicturesAgreeWithTheReference) {
   const SLIMSurface surface = wallsThroughTheCamera(GetParam());
   Camera camera = frontCamera();
   camera.position = {0.0, 0.0, 1.0};
@@ -54,8 +51,7 @@ TEST_P(InstructionSets, PicturesAgreeWithTheReference)
 }
 
 // So far away that the square of its depth is no float.
-TEST_P(InstructionSets, WhatIsTooFarToBeSeenLeavesAnEmptyPicture)
-{
+TEST_P(InstructionSets, WhatIsTooFarToBeSeenLeavesAnEmptyPicture) {
   SLIMSurface surface = wallsThroughTheCamera(GetParam());
   surface.info.scale = 1e-38;
   Camera camera = frontCamera();

@@ -19,8 +19,7 @@ using namespace test;
 
 class LevelOfDetail : public testing::Test {
  protected:
-  static void SetUpTestSuite()
-  {
+  static void SetUpTestSuite() {
     FitParams params;
     params.degree = 2;
     const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kBumpy, 20000, 0.0, 0.02);
@@ -28,13 +27,11 @@ class LevelOfDetail : public testing::Test {
   }
   static void TearDownTestSuite() { delete surface_; }
 
-  static Camera camera(int width, int height)
-  {
+  static Camera camera(int width, int height) {
     return fitCamera(spheresOf(*surface_), viewFromAngles(UpAxis::kZ, 25.0, 35.0), {width, height});
   }
   /** \brief Size in pixels of the smallest internal surfel, in a picture of that camera. */
-  static double smallestInternal(const Camera& camera)
-  {
+  static double smallestInternal(const Camera& camera) {
     const detail::DetailSizes sizes(*surface_);
     float half = 1.0f;
     for (std::size_t i = 0; i < surface_->size(); ++i) {
@@ -46,8 +43,7 @@ class LevelOfDetail : public testing::Test {
                                       std::pow(camera.position[2] - camera.look_at[2], 2));
     return 2.0 * half * surface_->info.scale / (distance * pixel);
   }
-  static GBuffer draw(const Camera& camera, double lod, RenderStatistics* counts = nullptr)
-  {
+  static GBuffer draw(const Camera& camera, double lod, RenderStatistics* counts = nullptr) {
     RenderParams params;
     params.lod = lod;
     return rendered(*surface_, camera, params, counts);
@@ -59,9 +55,7 @@ class LevelOfDetail : public testing::Test {
 SLIMSurface* LevelOfDetail::surface_ = nullptr;
 
 /** \brief Mean difference of the two pictures' colours where both show the surface, of 255. */
-double
-colorDifference(const GBuffer& a, const GBuffer& b, const Camera& camera)
-{
+double colorDifference(const GBuffer& a, const GBuffer& b, const Camera& camera) {
   const ShadingParams shading;
   const Result<Image> first = shade(a, camera, shading), second = shade(b, camera, shading);
   EXPECT_TRUE(first && second);
@@ -75,8 +69,7 @@ colorDifference(const GBuffer& a, const GBuffer& b, const Camera& camera)
   return sum / static_cast<double>(count);
 }
 
-TEST_F(LevelOfDetail, BelowEverySurfelNothingChanges)
-{
+TEST_F(LevelOfDetail, BelowEverySurfelNothingChanges) {
   const Camera view = camera(160, 120);
   RenderStatistics counts;
   const double lod = 0.5 * smallestInternal(view);
@@ -86,8 +79,7 @@ TEST_F(LevelOfDetail, BelowEverySurfelNothingChanges)
   EXPECT_EQ(counts.coarse_surfels, 0u);
 }
 
-TEST_F(LevelOfDetail, FewerSurfelsGiveThePictureAllTheSame)
-{
+TEST_F(LevelOfDetail, FewerSurfelsGiveThePictureAllTheSame) {
   // So far away that leaves are a pixel wide.
   const Camera view = camera(48, 36);
   RenderStatistics all, few;
@@ -111,8 +103,7 @@ TEST_F(LevelOfDetail, FewerSurfelsGiveThePictureAllTheSame)
 
 // Surfels that popped would turn their pixels at once: of forty steps none may bring more than a
 // quarter of the whole change.
-TEST_F(LevelOfDetail, SurfelsFadeInsteadOfPopping)
-{
+TEST_F(LevelOfDetail, SurfelsFadeInsteadOfPopping) {
   constexpr int kSteps = 40;
   const Camera view = camera(96, 72);
   const double first = 0.6 * smallestInternal(view), last = 3.0 * smallestInternal(view);
@@ -138,8 +129,7 @@ TEST_F(LevelOfDetail, SurfelsFadeInsteadOfPopping)
   EXPECT_LT(largest, 0.25 * total);
 }
 
-TEST_F(LevelOfDetail, ThreadsAndSkippingDoNotChangeAByte)
-{
+TEST_F(LevelOfDetail, ThreadsAndSkippingDoNotChangeAByte) {
   const Camera view = camera(96, 72);
   RenderParams params;
   params.lod = 1.3 * smallestInternal(view);
@@ -154,8 +144,7 @@ TEST_F(LevelOfDetail, ThreadsAndSkippingDoNotChangeAByte)
   }
 }
 
-TEST_F(LevelOfDetail, TheReferenceHasNone)
-{
+TEST_F(LevelOfDetail, TheReferenceHasNone) {
   RenderParams params;
   params.lod = 1.0;
   GBuffer buffer;

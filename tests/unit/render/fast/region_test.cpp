@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Half spaces cut a picture: beside an exact sphere, both rasterisers and the ray tracer beside each
-// other, and what is left out.
+// Half spaces cut a picture: beside an exact sphere, both rasterisers and the ray tracer beside
+// each other, and what is left out.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,17 +18,13 @@ namespace {
 
 using namespace test;
 
-SLIMSurface
-bumps()
-{
+SLIMSurface bumps() {
   const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kBumpy, 12000, 0.0, 0.02);
   return pcl_slim_test::fitted(cloud, FitParams()).surface;
 }
 
 /** The six sides of a box about the origin. */
-std::vector<HalfSpace>
-boxOf(double x, double y, double z)
-{
+std::vector<HalfSpace> boxOf(double x, double y, double z) {
   const double half[3] = {x, y, z};
   std::vector<HalfSpace> sides;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -41,17 +37,14 @@ boxOf(double x, double y, double z)
   return sides;
 }
 
-Camera
-obliqueView(const SLIMSurface& surface, bool perspective)
-{
+Camera obliqueView(const SLIMSurface& surface, bool perspective) {
   const BoundingSpheres object = spheresOf(surface);
   const ViewDirection direction = viewFromAngles(UpAxis::kZ, 25.0, 35.0);
   return perspective ? fitCamera(object, direction, {173, 131})
                      : fitOrthographicCamera(object, direction, {173, 131});
 }
 
-TEST(Region, ACutOpensASphereToItsInnerSide)
-{
+TEST(Region, ACutOpensASphereToItsInnerSide) {
   const SLIMSurface sphere = sphereSurface(4, kSphere, 600, 0.07);
   const Camera camera = frontCamera();
   RenderParams params;
@@ -79,8 +72,7 @@ TEST(Region, ACutOpensASphereToItsInnerSide)
   }
 }
 
-TEST(Region, WhatARayHasLeftIsNotDrawn)
-{
+TEST(Region, WhatARayHasLeftIsNotDrawn) {
   RenderParams params;
   params.cuts = {{{0.0, 0.0, 1.0}, 2.0 * kSphere}};  // in front of all of the sphere
   const SLIMSurface sphere = sphereSurface(4, kSphere, 600, 0.07);
@@ -90,8 +82,7 @@ TEST(Region, WhatARayHasLeftIsNotDrawn)
 
 class RegionViews : public testing::TestWithParam<bool> {};
 
-TEST_P(RegionViews, RasterisersAndTracerAgree)
-{
+TEST_P(RegionViews, RasterisersAndTracerAgree) {
   const SLIMSurface surface = bumps();
   const Camera camera = obliqueView(surface, GetParam());
   RenderParams params;
@@ -132,8 +123,7 @@ TEST_P(RegionViews, RasterisersAndTracerAgree)
   EXPECT_EQ(outside, 0u);
 }
 
-TEST_P(RegionViews, ThreadsSkippingAndLevelsOfDetailKeepTheirPromises)
-{
+TEST_P(RegionViews, ThreadsSkippingAndLevelsOfDetailKeepTheirPromises) {
   const SLIMSurface surface = bumps();
   const Camera camera = obliqueView(surface, GetParam());
   RenderParams params;
@@ -150,8 +140,7 @@ TEST_P(RegionViews, ThreadsSkippingAndLevelsOfDetailKeepTheirPromises)
 INSTANTIATE_TEST_SUITE_P(Projections, RegionViews, testing::Bool(),
                          [](const auto& view) { return view.param ? "Perspective" : "Parallel"; });
 
-TEST(Region, SplatsAreKeptByTheirCentres)
-{
+TEST(Region, SplatsAreKeptByTheirCentres) {
   SplatSet splats;
   splats.resize(3, false);
   splats.origin = {100.0, 0.0, 0.0};
@@ -166,8 +155,7 @@ TEST(Region, SplatsAreKeptByTheirCentres)
   EXPECT_EQ(part.kept, (std::vector<std::uint32_t>{8, 9}));
 }
 
-TEST(Region, ASpaceWithoutADirectionIsRefused)
-{
+TEST(Region, ASpaceWithoutADirectionIsRefused) {
   RenderParams params;
   params.cuts = {{{0.0, 0.0, 0.0}, 0.0}};
   EXPECT_TRUE(params.validate());

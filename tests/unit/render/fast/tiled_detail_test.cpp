@@ -15,8 +15,7 @@ using namespace test;
 
 class TiledDetail : public testing::Test {
  protected:
-  static void SetUpTestSuite()
-  {
+  static void SetUpTestSuite() {
     const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kBumpy, 100000, 0.001);
     StreamParams params;
     params.tile_points = 10000;
@@ -26,19 +25,17 @@ class TiledDetail : public testing::Test {
     ASSERT_FALSE(error) << error.message;
     whole_ = new SLIMSurface(pcl_slim_test::fitted(cloud).surface);
   }
-  static void TearDownTestSuite()
-  {
+  static void TearDownTestSuite() {
     delete tiled_;
     delete whole_;
   }
 
   /** \brief A camera in whose picture the object is so many pixels high. */
-  static Camera camera(int height)
-  {
+  static Camera camera(int height) {
     return fitCamera(spheresOf(*whole_), viewFromAngles(UpAxis::kZ, 25.0, 35.0), {height, height});
   }
-  static GBuffer draw(const SLIMSurface& surface, int height, double lod, RenderStatistics& counts)
-  {
+  static GBuffer draw(const SLIMSurface& surface, int height, double lod,
+                      RenderStatistics& counts) {
     RenderParams params;
     params.lod = lod;
     return rendered(surface, camera(height), params, &counts);
@@ -50,8 +47,7 @@ class TiledDetail : public testing::Test {
 SLIMSurface* TiledDetail::tiled_ = nullptr;
 SLIMSurface* TiledDetail::whole_ = nullptr;
 
-TEST_F(TiledDetail, LevelsAboveTheTilesReachToTheTop)
-{
+TEST_F(TiledDetail, LevelsAboveTheTilesReachToTheTop) {
   ASSERT_EQ(tiled_->child_begin.size(), tiled_->size() + 1);
   std::size_t coarse = 0, roots = 0;
   int first = 255;
@@ -61,12 +57,12 @@ TEST_F(TiledDetail, LevelsAboveTheTilesReachToTheTop)
   for (const std::uint32_t root : tiled_->roots) roots += tiled_->level[root] >= first;
   EXPECT_GT(coarse, 20u);
   EXPECT_LT(coarse, tiled_->numLeaves() / 2);
-  // What no coarser surfel's ball holds has none above it; without these levels all of a tile's first do.
+  // What no coarser surfel's ball holds has none above it; without these levels all of a tile's
+  // first do.
   EXPECT_LT(roots, tiled_->numLeaves() / 20);
 }
 
-TEST_F(TiledDetail, AFarFrameTouchesFewSurfels)
-{
+TEST_F(TiledDetail, AFarFrameTouchesFewSurfels) {
   RenderStatistics far, core, all;
   const GBuffer seen = draw(*tiled_, 30, 1.0, far), truth = draw(*whole_, 30, 1.0, core);
   draw(*tiled_, 30, 0.0, all);
@@ -78,8 +74,7 @@ TEST_F(TiledDetail, AFarFrameTouchesFewSurfels)
   EXPECT_LT(d.depth_p99, 0.02);
 }
 
-TEST_F(TiledDetail, NearFramesAreThoseOfTheLeaves)
-{
+TEST_F(TiledDetail, NearFramesAreThoseOfTheLeaves) {
   RenderStatistics with, without;
   const GBuffer seen = draw(*tiled_, 600, 1.0, with), truth = draw(*tiled_, 600, 0.0, without);
   const FrameDifference d = compareFrames(seen, truth, whole_->info.diagonal);

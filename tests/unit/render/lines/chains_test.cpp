@@ -8,31 +8,27 @@ namespace {
 
 using Joints = std::vector<std::uint32_t>;
 
-TEST(Chains, LinksInAnyOrderMakeOneLine)
-{
+TEST(Chains, LinksInAnyOrderMakeOneLine) {
   const auto chains = joinLinks({{{3, 4}}, {{1, 2}}, {{3, 2}}}, 8);
   ASSERT_EQ(chains.size(), 1u);
   EXPECT_FALSE(chains[0].closed);
   EXPECT_EQ(chains[0].joints, (Joints{4, 3, 2, 1}));
 }
 
-TEST(Chains, ARingIsClosed)
-{
+TEST(Chains, ARingIsClosed) {
   const auto chains = joinLinks({{{0, 1}}, {{1, 2}}, {{2, 0}}}, 3);
   ASSERT_EQ(chains.size(), 1u);
   EXPECT_TRUE(chains[0].closed);
   EXPECT_EQ(chains[0].joints.size(), 3u);
 }
 
-TEST(Chains, AJunctionEndsLines)
-{
+TEST(Chains, AJunctionEndsLines) {
   const auto chains = joinLinks({{{0, 1}}, {{1, 2}}, {{1, 3}}}, 4);
   EXPECT_EQ(chains.size(), 3u);
   for (const Chain& chain : chains) EXPECT_EQ(chain.joints.size(), 2u);
 }
 
-TEST(Chains, ShortPiecesBetweenJunctionsOfALongLineStay)
-{
+TEST(Chains, ShortPiecesBetweenJunctionsOfALongLineStay) {
   // 0 - 5 and 6 - 11 are long; 5 - 6 bridges them, 5 - 12 and 6 - 13 are burrs.
   std::vector<Link> links{{{5, 6}}, {{5, 12}}, {{6, 13}}};
   for (std::uint32_t i = 0; i < 5; ++i) {
@@ -51,8 +47,7 @@ TEST(Chains, ShortPiecesBetweenJunctionsOfALongLineStay)
   for (const std::uint8_t flag : longEnough(chains, 14, 40.0)) EXPECT_EQ(flag, 0);
 }
 
-TEST(Chains, MembersOfASetAreNumberedInOrder)
-{
+TEST(Chains, MembersOfASetAreNumberedInOrder) {
   NumberedSet set(1000);
   const Joints members{0, 1, 63, 64, 65, 127, 500, 999};
   for (const std::uint32_t i : {500u, 0u, 999u, 64u, 1u, 127u, 63u, 65u, 500u}) set.add(i);
@@ -60,8 +55,7 @@ TEST(Chains, MembersOfASetAreNumberedInOrder)
   for (std::uint32_t i = 0; i < members.size(); ++i) EXPECT_EQ(set.numberOf(members[i]), i);
 }
 
-TEST(Chains, NothingMakesNothing)
-{
+TEST(Chains, NothingMakesNothing) {
   EXPECT_TRUE(joinLinks({}, 0).empty());
   EXPECT_TRUE(longEnough({}, 0, 12.0).empty());
 }

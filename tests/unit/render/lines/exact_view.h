@@ -7,9 +7,9 @@
 #include <string>
 
 #include "camera/camera_rays.h"
-#include "support/lab/line_truth.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/picture_lines.h"
+#include "support/lab/line_truth.h"
 
 /** \brief Exact G-buffers of analytic surfaces: what lines in pictures are measured against. */
 namespace pcl_slim::test {
@@ -21,8 +21,7 @@ struct ExactView {
   GBuffer buffer;
   SLIMSurface surface;  ///< one leaf, which tells how steady curvature is
 
-  explicit ExactView(const std::string& name, int width = 240, int height = 200)
-  {
+  explicit ExactView(const std::string& name, int width = 240, int height = 200) {
     EXPECT_TRUE(measure::parseLineSurface(name, truth));
     camera.position = {0.7, -3.0, 1.9};
     camera.up = {0, 0, 1};
@@ -35,14 +34,12 @@ struct ExactView {
     surface.effective_count[0] = 100;
   }
 
-  measure::Jet at(const Vector3& p) const
-  {
+  measure::Jet at(const Vector3& p) const {
     using measure::Jet;
     return truth.implicit(Jet::variable(p[0], 0), Jet::variable(p[1], 1), Jet::variable(p[2], 2));
   }
 
-  void render()
-  {
+  void render() {
     const detail::CameraRays rays(camera, surface.info.origin, surface.info.scale);
     buffer.resize(camera.size.width, camera.size.height);
     for (int y = 0; y < buffer.height; ++y) {
@@ -52,8 +49,7 @@ struct ExactView {
 
  private:
   /** Steps along the ray up to the first change of sign, then bisects. */
-  void cast(const detail::Ray& ray, std::size_t pixel)
-  {
+  void cast(const detail::Ray& ray, std::size_t pixel) {
     constexpr double kStep = 0.03, kReach = 1.2;
     const double middle = -dot(ray.origin, ray.direction);
     const double half_sq = kReach * kReach - dot(ray.origin, ray.origin) + middle * middle;

@@ -10,31 +10,24 @@ namespace {
 
 using test::ExactView;
 
-PictureLineParams
-every()
-{
+PictureLineParams every() {
   PictureLineParams params;
   params.crest = params.suggestive = params.contour = true;
   return params;
 }
 
-std::vector<PictureLine>
-linesOf(const ExactView& view, const PictureLineParams& params)
-{
+std::vector<PictureLine> linesOf(const ExactView& view, const PictureLineParams& params) {
   auto lines = findPictureLines(view.buffer, view.camera, view.surface, params);
   EXPECT_TRUE(lines) << lines.error().message;
   return lines ? *lines : std::vector<PictureLine>();
 }
 
-std::size_t
-countOf(const std::vector<PictureLine>& lines, PictureLineKind kind)
-{
+std::size_t countOf(const std::vector<PictureLine>& lines, PictureLineKind kind) {
   return static_cast<std::size_t>(std::count_if(
       lines.begin(), lines.end(), [&](const PictureLine& line) { return line.kind == kind; }));
 }
 
-TEST(PictureLines, SphereHasItsContourOnly)
-{
+TEST(PictureLines, SphereHasItsContourOnly) {
   ExactView view("sphere");
   view.render();
   const auto lines = linesOf(view, every());
@@ -43,8 +36,7 @@ TEST(PictureLines, SphereHasItsContourOnly)
   EXPECT_TRUE(lines[0].closed);
 }
 
-TEST(PictureLines, ContourOfASphereIsItsSilhouette)
-{
+TEST(PictureLines, ContourOfASphereIsItsSilhouette) {
   for (const auto projection :
        {Camera::Projection::kPerspective, Camera::Projection::kOrthographic}) {
     ExactView view("sphere");
@@ -65,9 +57,7 @@ TEST(PictureLines, ContourOfASphereIsItsSilhouette)
 }
 
 /** Exact crest lines as the camera sees them, and how far a found one is from the nearest. */
-void
-expectExactCrestLines(Camera::Projection projection)
-{
+void expectExactCrestLines(Camera::Projection projection) {
   ExactView view("ellipsoid", 233, 200);
   view.camera.projection = projection;
   view.camera.view_height = 2.4;
@@ -100,16 +90,13 @@ expectExactCrestLines(Camera::Projection projection)
   EXPECT_LE(far, all / 100) << "of " << all;
 }
 
-TEST(PictureLines, CrestLinesLieOnExactOnes)
-{
+TEST(PictureLines, CrestLinesLieOnExactOnes) {
   expectExactCrestLines(Camera::Projection::kPerspective);
   expectExactCrestLines(Camera::Projection::kOrthographic);
 }
 
 /** Radial curvature by the exact Hessian at the place a pixel's ray meets. */
-double
-radialCurvature(const ExactView& view, const std::array<float, 2>& place)
-{
+double radialCurvature(const ExactView& view, const std::array<float, 2>& place) {
   const std::size_t i = view.buffer.index(static_cast<int>(std::lround(place[0])),
                                           static_cast<int>(std::lround(place[1])));
   const detail::CameraRays rays(view.camera, view.surface.info.origin, 1.0);
@@ -121,9 +108,7 @@ radialCurvature(const ExactView& view, const std::array<float, 2>& place)
   return dot(w, multiplied(jet.h, w)) / length(jet.g);
 }
 
-void
-expectZerosOfRadialCurvature(Camera::Projection projection)
-{
+void expectZerosOfRadialCurvature(Camera::Projection projection) {
   ExactView view("bumpy", 300, 250);
   view.camera.projection = projection;
   view.camera.view_height = 2.4;
@@ -141,14 +126,12 @@ expectZerosOfRadialCurvature(Camera::Projection projection)
   EXPECT_LT(largest, 0.4);
 }
 
-TEST(PictureLines, SuggestiveContoursAreZerosOfRadialCurvature)
-{
+TEST(PictureLines, SuggestiveContoursAreZerosOfRadialCurvature) {
   expectZerosOfRadialCurvature(Camera::Projection::kPerspective);
   expectZerosOfRadialCurvature(Camera::Projection::kOrthographic);
 }
 
-TEST(PictureLines, NoiseThatExplainsCurvatureHidesLines)
-{
+TEST(PictureLines, NoiseThatExplainsCurvatureHidesLines) {
   ExactView view("ellipsoid");
   view.render();
   PictureLineParams params;
@@ -157,8 +140,7 @@ TEST(PictureLines, NoiseThatExplainsCurvatureHidesLines)
   EXPECT_TRUE(linesOf(view, params).empty());
 }
 
-TEST(PictureLines, SameForAnyNumberOfThreads)
-{
+TEST(PictureLines, SameForAnyNumberOfThreads) {
   ExactView view("bumpy");
   view.render();
   PictureLineParams params = every();
@@ -174,16 +156,14 @@ TEST(PictureLines, SameForAnyNumberOfThreads)
   }
 }
 
-TEST(PictureLines, EmptyPictureHasNoLines)
-{
+TEST(PictureLines, EmptyPictureHasNoLines) {
   ExactView view("sphere");
   view.camera.look_at = {0, -9, 0};
   view.render();
   EXPECT_TRUE(linesOf(view, every()).empty());
 }
 
-TEST(PictureLines, MistakesAreNamed)
-{
+TEST(PictureLines, MistakesAreNamed) {
   ExactView view("sphere", 20, 16);
   view.render();
   PictureLineParams params = every();
@@ -197,8 +177,7 @@ TEST(PictureLines, MistakesAreNamed)
   EXPECT_FALSE(projectLines({}, view.buffer, view.camera, view.surface));
 }
 
-TEST(PictureLines, LinesBehindTheSurfaceAreHidden)
-{
+TEST(PictureLines, LinesBehindTheSurfaceAreHidden) {
   ExactView view("sphere");
   view.render();
   SpaceLine line{PictureLineKind::kRidge, {}};
@@ -214,9 +193,7 @@ TEST(PictureLines, LinesBehindTheSurfaceAreHidden)
   EXPECT_LT(count, 110u);
 }
 
-Image
-paper(int width, int height)
-{
+Image paper(int width, int height) {
   Image image;
   image.width = width;
   image.height = height;
@@ -224,8 +201,7 @@ paper(int width, int height)
   return image;
 }
 
-TEST(DrawLines, CoverTheirAreaAndCrossWithoutDarkening)
-{
+TEST(DrawLines, CoverTheirAreaAndCrossWithoutDarkening) {
   PictureLine across{PictureLineKind::kContour, false, {{2, 10}, {18, 10}}, {4, 4}};
   PictureLine down{PictureLineKind::kContour, false, {{10, 2}, {10, 18}}, {4, 4}};
   Image image = paper(21, 21);
@@ -246,8 +222,7 @@ TEST(DrawLines, CoverTheirAreaAndCrossWithoutDarkening)
   EXPECT_GT(once.rgb[3 * (10 * 21 + 9)], 0);
 }
 
-TEST(DrawLines, OnGlassAreThoseOverAPicture)
-{
+TEST(DrawLines, OnGlassAreThoseOverAPicture) {
   const PictureLine across{PictureLineKind::kRavine, false, {{2, 9.7f}, {18, 11}}, {1, 4}};
   const PictureLine down{PictureLineKind::kRidge, false, {{10, 2}, {11, 18}}, {4, 2}};
   Image over = paper(21, 21);
@@ -264,8 +239,7 @@ TEST(DrawLines, OnGlassAreThoseOverAPicture)
   EXPECT_TRUE(drawLines({}, LineStyle{-1.0, {}, {}, {}, {}}, {21, 21}, glass));
 }
 
-TEST(DrawLines, RefuseAWidthThatIsNone)
-{
+TEST(DrawLines, RefuseAWidthThatIsNone) {
   Image image = paper(4, 4);
   LineStyle style;
   style.width = 0;

@@ -12,8 +12,7 @@ namespace {
 
 using namespace test;
 
-TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough)
-{
+TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough) {
   // Two spheres nested at a distance well below the balls' radius.
   SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const SLIMSurface inner = sphereSurface(4, kSphere - 0.03, 600, 0.07);
@@ -37,9 +36,7 @@ TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough)
 }
 
 /** \brief Planes at z = 0 on a square grid about the origin, radius .12, normals along z. */
-SLIMSurface
-wallSurface(int side, double spacing)
-{
+SLIMSurface wallSurface(int side, double spacing) {
   SLIMSurface wall;
   wall.info.degree = 1;
   wall.info.oriented = true;
@@ -59,9 +56,7 @@ wallSurface(int side, double spacing)
 }
 
 /** \brief Looks along -z; 81 pixels of .005 a side, the middle one at the origin. */
-Camera
-wallCamera()
-{
+Camera wallCamera() {
   Camera camera = frontCamera(81, 81);
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = 0.005 * 81;
@@ -71,8 +66,7 @@ wallCamera()
 /** Where (1 - s^2)^4 falls to gamma = .1: the covered middle of a ball of .12 shrunk by 2/3. */
 const double kCoveredRadius = 0.08 * std::sqrt(1.0 - std::pow(0.1, 0.25));
 
-TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
-{
+TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports) {
   // One leaf's disc before a wall of many: beyond the disc's covered middle the wall is seen.
   SLIMSurface wall = wallSurface(13, 0.05);
   const std::size_t middle = wall.size() / 2;
@@ -91,10 +85,9 @@ TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
   EXPECT_NEAR(uncut.position[uncut.index(40 + 15, 40)][2], 0.3, 1e-6);
 }
 
-TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap)
-{
-  // The rim of a leaf ten times as wide passes .29 radii of the wall's leaves before them: too far to blend there,
-  // while at the wall the flap's small weight takes part.
+TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap) {
+  // The rim of a leaf ten times as wide passes .29 radii of the wall's leaves before them: too far
+  // to blend there, while at the wall the flap's small weight takes part.
   SLIMSurface wall = wallSurface(13, 0.05);
   const std::size_t middle = wall.size() / 2;
   wall.cx[middle] = 0.68f;
@@ -111,8 +104,7 @@ TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap)
   }
 }
 
-TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot)
-{
+TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot) {
   // Four leaves .1 apart: their middle is covered by .01 < gamma, yet they lie all around it.
   const GBuffer buffer = rendered(wallSurface(2, 0.1), wallCamera());
   EXPECT_TRUE(buffer.covered(buffer.index(40, 40)));
@@ -123,8 +115,7 @@ TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot)
   EXPECT_FALSE(buffer.covered(buffer.index(40 + rim + 2, 50)));
 }
 
-TEST(TileRasterizer, ThreadsAndSkippingDoNotChangeAByte)
-{
+TEST(TileRasterizer, ThreadsAndSkippingDoNotChangeAByte) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const Camera camera = frontCamera(200, 150);
   RenderParams one;
@@ -144,8 +135,7 @@ TEST(TileRasterizer, ThreadsAndSkippingDoNotChangeAByte)
   EXPECT_EQ(skipped.covered_pixels, reference.numCovered());
 }
 
-TEST(TileRasterizer, NoLeafOfAZoomedViewIsEvaluatedOutsideIt)
-{
+TEST(TileRasterizer, NoLeafOfAZoomedViewIsEvaluatedOutsideIt) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 5000, 0.025);
   Camera camera = frontCamera();
   camera.fov = 2.0;

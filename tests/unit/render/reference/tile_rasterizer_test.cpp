@@ -21,8 +21,7 @@ struct DegreeCase {
 
 class SphereOfDegree : public testing::TestWithParam<DegreeCase> {};
 
-TEST_P(SphereOfDegree, MeetsTheAnalyticSphere)
-{
+TEST_P(SphereOfDegree, MeetsTheAnalyticSphere) {
   const DegreeCase& p = GetParam();
   const SLIMSurface surface = sphereSurface(p.degree, kSphere, 600, 0.07);
   const Camera camera = frontCamera();
@@ -42,8 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Degrees, SphereOfDegree,
                                          DegreeCase{3, 1e-3, 1e-2, 0.10, 0.20},
                                          DegreeCase{4, 3e-5, 1e-3, 0.02, 0.04}));
 
-TEST(TileRasterizer, RotatedOffsetAndScaledCameraSeesTheSameSphere)
-{
+TEST(TileRasterizer, RotatedOffsetAndScaledCameraSeesTheSameSphere) {
   SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07, {0.125, -0.25, 0.0625});
   surface.info.scale = 8.0;
   surface.info.origin = {-1.0, 2.0, -0.5};  // the sphere's centre becomes the world's origin
@@ -59,8 +57,7 @@ TEST(TileRasterizer, RotatedOffsetAndScaledCameraSeesTheSameSphere)
   EXPECT_LT(d.mean, 0.02);
 }
 
-TEST(TileRasterizer, ALeafThatDoesNotFitCountsByItsVariance)
-{
+TEST(TileRasterizer, ALeafThatDoesNotFitCountsByItsVariance) {
   constexpr float kRadius = 0.25f, kAbove = 0.01f;
   SLIMSurface surface;
   surface.info.degree = 1;
@@ -86,8 +83,7 @@ TEST(TileRasterizer, ALeafThatDoesNotFitCountsByItsVariance)
   EXPECT_NEAR(share(), 0.5, 0.02);
 }
 
-TEST(TileRasterizer, OrthographicDepthIsThatOfParallelRays)
-{
+TEST(TileRasterizer, OrthographicDepthIsThatOfParallelRays) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   Camera camera = frontCamera(64, 64);
   camera.projection = Camera::Projection::kOrthographic;
@@ -109,8 +105,7 @@ TEST(TileRasterizer, OrthographicDepthIsThatOfParallelRays)
   EXPECT_GT(compared, 1500u);
 }
 
-TEST(TileRasterizer, EmptySurfaceCoversNothing)
-{
+TEST(TileRasterizer, EmptySurfaceCoversNothing) {
   SLIMSurface surface;
   const GBuffer buffer = rendered(surface, frontCamera());
   EXPECT_EQ(buffer.numPixels(), 80u * 60u);
@@ -118,15 +113,13 @@ TEST(TileRasterizer, EmptySurfaceCoversNothing)
   EXPECT_EQ(buffer.depth[0], std::numeric_limits<float>::infinity());
 }
 
-TEST(TileRasterizer, InternalSurfelsAreNotDrawn)
-{
+TEST(TileRasterizer, InternalSurfelsAreNotDrawn) {
   SLIMSurface surface = sphereSurface(2, kSphere, 600, 0.07);
   for (std::uint8_t& flags : surface.flags) flags = 0;
   EXPECT_EQ(rendered(surface, frontCamera()).numCovered(), 0u);
 }
 
-TEST(TileRasterizer, FromInsideOnlyBothSidesShowAnOrientedSphere)
-{
+TEST(TileRasterizer, FromInsideOnlyBothSidesShowAnOrientedSphere) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   Camera camera = frontCamera();
   camera.position = {0.0, 0.0, 0.0};
@@ -144,8 +137,7 @@ TEST(TileRasterizer, FromInsideOnlyBothSidesShowAnOrientedSphere)
   }
 }
 
-TEST(TileRasterizer, CameraInsideABallStaysFinite)
-{
+TEST(TileRasterizer, CameraInsideABallStaysFinite) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   Camera camera = frontCamera();
   camera.position = {0.0, 0.0, kSphere + 0.01};
@@ -157,8 +149,7 @@ TEST(TileRasterizer, CameraInsideABallStaysFinite)
   EXPECT_LT(d.depth, 2e-4);
 }
 
-TEST(TileRasterizer, NearPlaneCutsTheFrontAway)
-{
+TEST(TileRasterizer, NearPlaneCutsTheFrontAway) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   RenderParams params;
   params.near_plane = 1.2;  // through the sphere's centre
@@ -170,8 +161,7 @@ TEST(TileRasterizer, NearPlaneCutsTheFrontAway)
   EXPECT_NEAR(buffer.depth[middle], 1.2 + kSphere, 1e-3);
 }
 
-TEST(TileRasterizer, UnorientedEqualsOrientedFromOutside)
-{
+TEST(TileRasterizer, UnorientedEqualsOrientedFromOutside) {
   const SLIMSurface oriented = sphereSurface(4, kSphere, 600, 0.07);
   SLIMSurface mixed = oriented;
   mixed.info.oriented = false;
@@ -191,8 +181,7 @@ TEST(TileRasterizer, UnorientedEqualsOrientedFromOutside)
   }
 }
 
-TEST(TileRasterizer, NamesBadCamerasParametersAndSurfaces)
-{
+TEST(TileRasterizer, NamesBadCamerasParametersAndSurfaces) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 10, 0.07);
   GBuffer buffer;
   Camera camera = frontCamera();

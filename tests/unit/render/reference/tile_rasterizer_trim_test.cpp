@@ -14,9 +14,7 @@ using namespace test;
 constexpr int kSide = 9;
 
 /** Level discs, one above the other, all but the lowest with data where x < 0 alone. */
-SLIMSurface
-halfDiscs(std::size_t count)
-{
+SLIMSurface halfDiscs(std::size_t count) {
   SLIMSurface surface;
   surface.info.degree = 1;
   surface.info.oriented = true;
@@ -41,8 +39,7 @@ halfDiscs(std::size_t count)
   return surface;
 }
 
-TEST(TrimmedPicture, EndsAtTheBorderAndShowsWhatLiesBehind)
-{
+TEST(TrimmedPicture, EndsAtTheBorderAndShowsWhatLiesBehind) {
   const SLIMSurface surface = halfDiscs(2);
   Camera camera = frontCamera(160, 120);
   camera.projection = Camera::Projection::kOrthographic;
@@ -68,8 +65,7 @@ TEST(TrimmedPicture, EndsAtTheBorderAndShowsWhatLiesBehind)
   EXPECT_GT(behind, 1000u);
 }
 
-TEST(TrimmedPicture, NothingIsDrawnWhereNothingLiesBehind)
-{
+TEST(TrimmedPicture, NothingIsDrawnWhereNothingLiesBehind) {
   SLIMSurface surface = halfDiscs(3);
   surface.cz[0] = 5.0f;  // behind the camera
   RenderParams params;
@@ -81,8 +77,7 @@ TEST(TrimmedPicture, NothingIsDrawnWhereNothingLiesBehind)
   EXPECT_LT(with, 2 * without / 3);
 }
 
-TEST(TrimmedPicture, RaysPassALeafWhereItHasNoDataWithoutABlend)
-{
+TEST(TrimmedPicture, RaysPassALeafWhereItHasNoDataWithoutABlend) {
   const SLIMSurface surface = halfDiscs(2);
   Camera camera = frontCamera(160, 120);
   camera.projection = Camera::Projection::kOrthographic;

@@ -20,9 +20,7 @@ namespace fs = std::filesystem;
 using namespace test;
 using pcl_slim_test::TemporaryFolder;
 
-Image
-pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
-{
+Image pictured(ShadingMode mode, int supersampling = 1, int threads = 1) {
   RenderParams render_params;
   render_params.threads = threads;
   ShadingParams params;
@@ -35,16 +33,14 @@ pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
   return *image;
 }
 
-TEST(Shading, NormalModeEncodesTheNormal)
-{
+TEST(Shading, NormalModeEncodesTheNormal) {
   const auto middle = pixelOf(pictured(ShadingMode::kNormal), 48, 36);
   EXPECT_NEAR(middle[0], 128, 4);
   EXPECT_NEAR(middle[1], 128, 4);
   EXPECT_NEAR(middle[2], 255, 2);
 }
 
-TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
-{
+TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName) {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     surface.radius[i] *= i % 2 ? 1.0f : 0.8f;
@@ -68,8 +64,7 @@ TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
   EXPECT_FALSE(shadingModeOf("sahded"));
 }
 
-TEST(Shading, ABarShowsTheRangeInTheMargin)
-{
+TEST(Shading, ABarShowsTheRangeInTheMargin) {
   Camera camera = frontCamera(96, 72);
   camera.size = {320, 240};
   ShadingParams params;
@@ -95,8 +90,7 @@ TEST(Shading, ABarShowsTheRangeInTheMargin)
   EXPECT_EQ(clay->rgb, renderPicture(surface, camera, RenderParams(), params)->rgb);
 }
 
-TEST(Shading, ABufferWithoutTheModesColumnsIsRefused)
-{
+TEST(Shading, ABufferWithoutTheModesColumnsIsRefused) {
   GBuffer buffer;
   RenderParams render_params;
   render_params.columns = 0;
@@ -109,8 +103,7 @@ TEST(Shading, ABufferWithoutTheModesColumnsIsRefused)
   EXPECT_EQ(shade(buffer, frontCamera(96, 72), params).error().code, ErrorCode::kBadArgument);
 }
 
-TEST(Shading, AGivenRangeSetsTheCurvatureColours)
-{
+TEST(Shading, AGivenRangeSetsTheCurvatureColours) {
   const Camera camera = frontCamera(96, 72);
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   surface.info.scale = 0.5;  // world radius .125, mean curvature 8
@@ -129,8 +122,7 @@ TEST(Shading, AGivenRangeSetsTheCurvatureColours)
   EXPECT_LT(std::abs(middle[0] - middle[2]), 16);
 }
 
-TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture)
-{
+TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture) {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   for (std::size_t i = 0; i < surface.size(); ++i) surface.level[i] = surface.cx[i] < 0.0f ? 4 : 6;
   Camera camera = frontCamera(96, 72);
@@ -154,8 +146,7 @@ TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture)
   expectColour(240 - 240 / 5 - 5, 4);
 }
 
-TEST(Shading, SupersamplingSmoothsTheSilhouette)
-{
+TEST(Shading, SupersamplingSmoothsTheSilhouette) {
   const auto colours = [](const Image& image) {
     std::set<std::array<int, 3>> found;
     for (int x = 0; x < image.width; ++x) found.insert(pixelOf(image, x, 36));
@@ -165,21 +156,18 @@ TEST(Shading, SupersamplingSmoothsTheSilhouette)
   EXPECT_GT(colours(pictured(ShadingMode::kLevel, 3)), colours(pictured(ShadingMode::kLevel, 1)));
 }
 
-TEST(Shading, OneAndFourThreadsGiveTheSameBytes)
-{
+TEST(Shading, OneAndFourThreadsGiveTheSameBytes) {
   EXPECT_EQ(pictured(ShadingMode::kShaded, 2, 1).rgb, pictured(ShadingMode::kShaded, 2, 4).rgb);
   EXPECT_EQ(pictured(ShadingMode::kMean, 2, 1).rgb, pictured(ShadingMode::kMean, 2, 4).rgb);
 }
 
-TEST(Shading, EmptySurfaceGivesABackground)
-{
+TEST(Shading, EmptySurfaceGivesABackground) {
   const auto image = renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), {});
   ASSERT_TRUE(image);
   EXPECT_GT(pixelOf(*image, 48, 1)[0], 240);
 }
 
-TEST(Shading, NamesBadParametersAndForeignBuffers)
-{
+TEST(Shading, NamesBadParametersAndForeignBuffers) {
   ShadingParams params;
   params.supersampling = 0;
   EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), params).error().code,
@@ -197,8 +185,7 @@ TEST(Shading, NamesBadParametersAndForeignBuffers)
   EXPECT_EQ(shade(buffer, frontCamera(96, 72), {}).error().code, ErrorCode::kBadArgument);
 }
 
-TEST(Png, ReadsBackWhatWasWritten)
-{
+TEST(Png, ReadsBackWhatWasWritten) {
   if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
   const TemporaryFolder folder;
   const std::string path = folder / "a picture.png";
@@ -212,8 +199,7 @@ TEST(Png, ReadsBackWhatWasWritten)
   EXPECT_EQ(read->rgb, image.rgb);
 }
 
-TEST(Png, UnwritablePathsAndBadFilesAreNamed)
-{
+TEST(Png, UnwritablePathsAndBadFilesAreNamed) {
   if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
   const TemporaryFolder folder;
   const Image image = pictured(ShadingMode::kShaded);

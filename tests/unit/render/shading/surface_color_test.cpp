@@ -14,16 +14,13 @@
 namespace pcl_slim::test {
 namespace {
 
-/** Red grows with x, green with y, blue with z: linear, so that leaves agree wherever they overlap. */
-float
-channelAt(const std::array<float, 3>& p, std::size_t c)
-{
+/** Red grows with x, green with y, blue with z: linear, so that leaves agree wherever they overlap.
+ */
+float channelAt(const std::array<float, 3>& p, std::size_t c) {
   return 128.0f + 400.0f * p[c];
 }
 
-SLIMSurface
-coloredSphere()
-{
+SLIMSurface coloredSphere() {
   SLIMSurface s = sphereSurface(4, kSphere, 400, 0.08);
   s.colors.resize(s.size() * kColorBytes);
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -44,9 +41,7 @@ coloredSphere()
 }
 
 /** Largest difference of a frame's colours from the truth at its positions, 0..255. */
-double
-worstColor(const GBuffer& buffer)
-{
+double worstColor(const GBuffer& buffer) {
   double worst = 0.0;
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
     for (std::size_t c = 0; c < 3 && buffer.covered(i); ++c)
@@ -59,8 +54,7 @@ worstColor(const GBuffer& buffer)
 // Bytes round a colour and its slopes by half a step.
 constexpr double kRounding = 2.0;
 
-TEST(SurfaceColor, IsTheSurfacesOwnWhateverDrawsIt)
-{
+TEST(SurfaceColor, IsTheSurfacesOwnWhateverDrawsIt) {
   const SLIMSurface surface = coloredSphere();
   RenderParams params;
   params.columns = kColorColumn;
@@ -83,8 +77,7 @@ TEST(SurfaceColor, IsTheSurfacesOwnWhateverDrawsIt)
   EXPECT_LT(worstColor(buffer), kRounding);
 }
 
-TEST(SurfaceColor, IsTheSameForAnyThreadsAndSkipping)
-{
+TEST(SurfaceColor, IsTheSameForAnyThreadsAndSkipping) {
   const SLIMSurface surface = coloredSphere();
   RenderParams params;
   params.columns = kColorColumn;
@@ -97,8 +90,7 @@ TEST(SurfaceColor, IsTheSameForAnyThreadsAndSkipping)
   expectSame(one, other);
 }
 
-TEST(SurfaceColor, IsSeenFromBehindToo)
-{
+TEST(SurfaceColor, IsSeenFromBehindToo) {
   const SLIMSurface surface = coloredSphere();
   RenderParams params;
   params.columns = kColorColumn;
@@ -109,8 +101,7 @@ TEST(SurfaceColor, IsSeenFromBehindToo)
   EXPECT_LT(worstColor(buffer), kRounding);
 }
 
-TEST(SurfaceColor, MakesPicturesOnlyOfColouredSurfaces)
-{
+TEST(SurfaceColor, MakesPicturesOnlyOfColouredSurfaces) {
   SLIMSurface surface = coloredSphere();
   ShadingParams shading;
   shading.mode = ShadingMode::kColor;

@@ -9,23 +9,18 @@ namespace pcl_slim::test {
 namespace {
 
 /** \brief A sphere whose leaves are planes or quadrics that miss it by a little. */
-SLIMSurface
-roughSphere(int degree)
-{
+SLIMSurface roughSphere(int degree) {
   return sphereSurface(degree, kSphere, 600, 0.07);
 }
 
 /** \brief A frame with the derivatives of the surface's partition of unity. */
-GBuffer
-inSpace(const SLIMSurface& surface, GBuffer frame)
-{
+GBuffer inSpace(const SLIMSurface& surface, GBuffer frame) {
   const Error error = lab::differentiateInSpace(surface, 0, frame);
   EXPECT_FALSE(error) << error.message;
   return frame;
 }
 
-TEST(SpaceDerivatives, BothSidesTellASphere)
-{
+TEST(SpaceDerivatives, BothSidesTellASphere) {
   const SLIMSurface surface = roughSphere(4);
   const GBuffer frame = rendered(surface, frontCamera());
   const auto left = compareWithSphere(frame, frontCamera(), kSphere);
@@ -35,8 +30,7 @@ TEST(SpaceDerivatives, BothSidesTellASphere)
   EXPECT_LT(right.mean, 0.05);
 }
 
-TEST(SpaceDerivatives, OnlyTheRightSideHoldsTheWeights)
-{
+TEST(SpaceDerivatives, OnlyTheRightSideHoldsTheWeights) {
   // Planes have no curvature of their own: what the right side shows is the weights' doing.
   const SLIMSurface planes = roughSphere(1);
   const GBuffer left = rendered(planes, frontCamera());
@@ -49,8 +43,7 @@ TEST(SpaceDerivatives, OnlyTheRightSideHoldsTheWeights)
   EXPECT_EQ(left.surfel, right.surfel);
 }
 
-TEST(SpaceDerivatives, TheReferenceHasThemAsWell)
-{
+TEST(SpaceDerivatives, TheReferenceHasThemAsWell) {
   const SLIMSurface surface = roughSphere(2);
   const GBuffer fast = inSpace(surface, rendered(surface, frontCamera()));
   const GBuffer slow = inSpace(surface, referenceFrame(surface, frontCamera()));
@@ -58,16 +51,14 @@ TEST(SpaceDerivatives, TheReferenceHasThemAsWell)
   EXPECT_NEAR(fast.mean_curvature[middle], slow.mean_curvature[middle], 0.02);
 }
 
-TEST(SpaceDerivatives, LeavesWithoutACommonSideAreRefused)
-{
+TEST(SpaceDerivatives, LeavesWithoutACommonSideAreRefused) {
   SLIMSurface surface = roughSphere(2);
   surface.info.oriented = false;
   GBuffer buffer = rendered(surface, frontCamera());
   EXPECT_EQ(lab::differentiateInSpace(surface, 0, buffer).code, ErrorCode::kBadArgument);
 }
 
-TEST(Residuals, AreThoseOfTheLeaves)
-{
+TEST(Residuals, AreThoseOfTheLeaves) {
   SLIMSurface surface = roughSphere(2);
   for (std::size_t i = 0; i < surface.size(); ++i) surface.error[i] = 1e-4f * (1.0f + i % 5);
   RenderParams params;

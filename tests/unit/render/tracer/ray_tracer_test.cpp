@@ -15,10 +15,8 @@ namespace {
 
 using namespace test;
 
-GBuffer
-traced(const SLIMSurface& surface, const Camera& camera, TraceParams params = {},
-       TraceStatistics* statistics = nullptr)
-{
+GBuffer traced(const SLIMSurface& surface, const Camera& camera, TraceParams params = {},
+               TraceStatistics* statistics = nullptr) {
   GBuffer buffer;
   LightBuffer light;
   RayTracer tracer(surface);
@@ -33,8 +31,7 @@ struct FrameDifference {
   bool finite = true;  ///< all of a
   double depth = 0.0, normal = 0.0, mean = 0.0;
 
-  FrameDifference(const GBuffer& a, const GBuffer& b)
-  {
+  FrameDifference(const GBuffer& a, const GBuffer& b) {
     for (std::size_t i = 0; i < a.numPixels(); ++i) {
       coverage += a.covered(i) != b.covered(i);
       if (!a.covered(i) || !b.covered(i)) continue;
@@ -49,11 +46,9 @@ struct FrameDifference {
   }
 };
 
-// The tracer works in single precision within blocks of leaves, the reference in double. q^ moves by
-// rounding, 1e-7, and everything that is blended moves with it.
-void
-expectReference(const SLIMSurface& surface, const Camera& camera, VisibleSides sides)
-{
+// The tracer works in single precision within blocks of leaves, the reference in double. q^ moves
+// by rounding, 1e-7, and everything that is blended moves with it.
+void expectReference(const SLIMSurface& surface, const Camera& camera, VisibleSides sides) {
   RenderParams render;
   render.sides = sides;
   TraceParams trace;
@@ -69,15 +64,13 @@ expectReference(const SLIMSurface& surface, const Camera& camera, VisibleSides s
 
 class TracedSphere : public testing::TestWithParam<int> {};
 
-TEST_P(TracedSphere, MeetsWhatTheReferenceMeets)
-{
+TEST_P(TracedSphere, MeetsWhatTheReferenceMeets) {
   const SLIMSurface surface = sphereSurface(GetParam(), kSphere, 600, 0.07);
   expectReference(surface, frontCamera(), VisibleSides::kAuto);
   expectReference(surface, frontCamera(), VisibleSides::kBoth);
 }
 
-TEST_P(TracedSphere, OfAParallelCameraToo)
-{
+TEST_P(TracedSphere, OfAParallelCameraToo) {
   const SLIMSurface surface = sphereSurface(GetParam(), kSphere, 600, 0.07);
   Camera camera = frontCamera();
   camera.projection = Camera::Projection::kOrthographic;
@@ -85,8 +78,7 @@ TEST_P(TracedSphere, OfAParallelCameraToo)
   expectReference(surface, camera, VisibleSides::kAuto);
 }
 
-TEST_P(TracedSphere, EndsWhereTrimMapsDo)
-{
+TEST_P(TracedSphere, EndsWhereTrimMapsDo) {
   SLIMSurface surface = sphereSurface(GetParam(), kSphere, 600, 0.07);
   const std::size_t whole = rendered(surface, frontCamera()).numCovered();
   pcl_slim_test::setRandomTrimMaps(surface);
@@ -101,8 +93,7 @@ TEST_P(TracedSphere, EndsWhereTrimMapsDo)
 
 INSTANTIATE_TEST_SUITE_P(Degrees, TracedSphere, testing::Values(1, 2, 3, 4));
 
-TEST(RayTracer, AFrameMeetsTheAnalyticSphereWithoutAGap)
-{
+TEST(RayTracer, AFrameMeetsTheAnalyticSphereWithoutAGap) {
   SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07, {0.125, -0.25, 0.0625});
   surface.info.scale = 8.0;
   surface.info.origin = {-1.0, 2.0, -0.5};  // the sphere's centre becomes the world's origin
@@ -126,8 +117,7 @@ TEST(RayTracer, AFrameMeetsTheAnalyticSphereWithoutAGap)
 
 // Rays from all around, some through the middle and some that graze the sphere: 1 % inside its rim
 // they meet it, 4 % outside they do not, as balls reach over the rim by (r / R)^2 / 2 = 4 %.
-TEST(RayTracer, RaysMeetTheAnalyticSphereFromAnywhere)
-{
+TEST(RayTracer, RaysMeetTheAnalyticSphereFromAnywhere) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const RayTracer tracer(surface);
   std::mt19937 random(3);
@@ -161,8 +151,7 @@ TEST(RayTracer, RaysMeetTheAnalyticSphereFromAnywhere)
   }
 }
 
-TEST(RayTracer, RaysFromInsideMeetTheInnerSideIfBothAreShown)
-{
+TEST(RayTracer, RaysFromInsideMeetTheInnerSideIfBothAreShown) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const RayTracer tracer(surface);
   std::mt19937 random(5);
@@ -175,8 +164,7 @@ TEST(RayTracer, RaysFromInsideMeetTheInnerSideIfBothAreShown)
   }
 }
 
-TEST(RayTracer, ACameraInsideSeesTheInnerSideEverywhere)
-{
+TEST(RayTracer, ACameraInsideSeesTheInnerSideEverywhere) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   Camera camera = frontCamera(64, 48);
   camera.position = {0.03, -0.02, 0.05};
@@ -193,8 +181,7 @@ TEST(RayTracer, ACameraInsideSeesTheInnerSideEverywhere)
   }
 }
 
-TEST(RayTracer, BothSidesAreSeenWhereSidesAreInDoubt)
-{
+TEST(RayTracer, BothSidesAreSeenWhereSidesAreInDoubt) {
   SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   surface.info.sides_in_doubt = true;
   Camera camera = frontCamera(48, 36);
@@ -205,8 +192,7 @@ TEST(RayTracer, BothSidesAreSeenWhereSidesAreInDoubt)
   EXPECT_EQ(std::count(buffer.back_face.begin(), buffer.back_face.end(), 1), 0);
 }
 
-TEST(RayTracer, RaysBeginAndEndWhereTheyAreTold)
-{
+TEST(RayTracer, RaysBeginAndEndWhereTheyAreTold) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const RayTracer tracer(surface);
   WorldRay ray;
@@ -222,10 +208,9 @@ TEST(RayTracer, RaysBeginAndEndWhereTheyAreTold)
   EXPECT_NEAR(cast(tracer, {ray}, VisibleSides::kBoth)[0].depth, 1.25, 1e-5);
 }
 
-// Quadratic Taylor polynomials of radius .08 on a tube of radius .12 err by r^3 / R^2 / 6 at a ball's rim,
-// 6e-3 of the tube, and by much less where leaves blend.
-TEST(RayTracer, RaysMeetTheAnalyticTorus)
-{
+// Quadratic Taylor polynomials of radius .08 on a tube of radius .12 err by r^3 / R^2 / 6 at a
+// ball's rim, 6e-3 of the tube, and by much less where leaves blend.
+TEST(RayTracer, RaysMeetTheAnalyticTorus) {
   constexpr double kMajor = 0.33, kMinor = 0.12;
   const SLIMSurface surface = torusSurface(kMajor, kMinor, 72, 30, 0.08);
   const RayTracer tracer(surface);
@@ -251,8 +236,7 @@ TEST(RayTracer, RaysMeetTheAnalyticTorus)
   EXPECT_GT(met, 600u);
 }
 
-TEST(RayTracer, SameBytesForAnyNumberOfThreads)
-{
+TEST(RayTracer, SameBytesForAnyNumberOfThreads) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   const Camera camera = frontCamera(100, 90);
   TraceParams params = litFrom({1.0, 2.0, 0.5}, 5.0);
@@ -272,8 +256,7 @@ TEST(RayTracer, SameBytesForAnyNumberOfThreads)
   EXPECT_EQ(counts[0].nodes, counts[1].nodes);
 }
 
-TEST(RayTracer, CancelStopsAFrameAndLeavesNothing)
-{
+TEST(RayTracer, CancelStopsAFrameAndLeavesNothing) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 600, 0.07);
   RayTracer tracer(surface);
   int reports = 0;
@@ -292,8 +275,7 @@ TEST(RayTracer, CancelStopsAFrameAndLeavesNothing)
   EXPECT_FALSE(tracer.trace(frontCamera(64, 48), {}, buffer, light, nullptr, &progress));
 }
 
-TEST(RayTracer, OneThatWasMovedFromSaysSo)
-{
+TEST(RayTracer, OneThatWasMovedFromSaysSo) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 100, 0.15);
   RayTracer tracer(surface);
   RayTracer taken(std::move(tracer));
@@ -310,8 +292,7 @@ TEST(RayTracer, OneThatWasMovedFromSaysSo)
   EXPECT_FALSE(taken.trace(frontCamera(16, 12), {}, buffer, light));
 }
 
-TEST(RayTracer, NamesWhatIsWrong)
-{
+TEST(RayTracer, NamesWhatIsWrong) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 100, 0.15);
   RayTracer tracer(surface);
   std::vector<WorldHit> hits;
@@ -334,8 +315,7 @@ TEST(RayTracer, NamesWhatIsWrong)
   EXPECT_EQ(RayTracer(broken).trace(frontCamera(), {}, buffer, light).code, ErrorCode::kBadInput);
 }
 
-TEST(RayTracer, AnEmptySurfaceIsSeenThrough)
-{
+TEST(RayTracer, AnEmptySurfaceIsSeenThrough) {
   const SLIMSurface surface = emptySurface(2);
   TraceParams params;
   params.lights.resize(1);

@@ -13,9 +13,7 @@ namespace {
 using namespace test;
 
 /** A floor at z = 0 from -.5 to .5. */
-SLIMSurface
-floorSurface()
-{
+SLIMSurface floorSurface() {
   SLIMSurface surface = emptySurface(2);
   addRectangle(surface, {-0.5, -0.5, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, 0.025,
                0.05);
@@ -23,9 +21,7 @@ floorSurface()
 }
 
 /** A camera straight above that sees the floor from -.4 to .4. */
-Camera
-cameraAbove(int size)
-{
+Camera cameraAbove(int size) {
   Camera camera;
   camera.projection = Camera::Projection::kOrthographic;
   camera.position = {0.0, 0.0, 2.0};
@@ -39,17 +35,14 @@ struct Frame {
   LightBuffer light;
   TraceStatistics counts;
 
-  Frame(const SLIMSurface& surface, const Camera& camera, const TraceParams& params)
-  {
+  Frame(const SLIMSurface& surface, const Camera& camera, const TraceParams& params) {
     RayTracer tracer(surface);
     const Error error = tracer.trace(camera, params, buffer, light, &counts);
     EXPECT_FALSE(error) << error.message;
   }
 };
 
-void
-addSphere(SLIMSurface& surface, const Point& center, double radius, int count, double ball)
-{
+void addSphere(SLIMSurface& surface, const Point& center, double radius, int count, double ball) {
   const SLIMSurface sphere = sphereSurface(2, radius, count, ball, center);
   for (std::size_t i = 0; i < sphere.size(); ++i) {
     float* c = addLeaf(surface, {sphere.cx[i], sphere.cy[i], sphere.cz[i]},
@@ -58,10 +51,9 @@ addSphere(SLIMSurface& surface, const Point& center, double radius, int count, d
   }
 }
 
-// The shadow of a sphere is an ellipse: points of the floor whose line to the light passes within the
-// radius. Rays within 5 % of the rim may go either way.
-TEST(Shadows, OfASphereOnAFloorAreAnEllipse)
-{
+// The shadow of a sphere is an ellipse: points of the floor whose line to the light passes within
+// the radius. Rays within 5 % of the rim may go either way.
+TEST(Shadows, OfASphereOnAFloorAreAnEllipse) {
   constexpr double kRadius = 0.1;
   const Point center{0.05, -0.05, 0.25}, light{0.6, 0.0, 0.8};
   SLIMSurface surface = floorSurface();
@@ -88,9 +80,9 @@ TEST(Shadows, OfASphereOnAFloorAreAnEllipse)
   EXPECT_GT(lit, 3000u);
 }
 
-// Leaves of a convex shape do not stand in each other's light, down to rays that graze it by 2 degrees.
-TEST(Shadows, AConvexShapeCastsNoneOnItself)
-{
+// Leaves of a convex shape do not stand in each other's light, down to rays that graze it by 2
+// degrees.
+TEST(Shadows, AConvexShapeCastsNoneOnItself) {
   for (const bool oriented : {true, false}) {
     SLIMSurface surface = sphereSurface(2, kSphere, 600, 0.05);
     surface.info.oriented = oriented;
@@ -112,9 +104,9 @@ TEST(Shadows, AConvexShapeCastsNoneOnItself)
   }
 }
 
-// A sheet shades what lies behind it whichever way it faces, though a camera there would see through.
-TEST(Shadows, ASheetThatIsTurnedAwayBlocksLight)
-{
+// A sheet shades what lies behind it whichever way it faces, though a camera there would see
+// through.
+TEST(Shadows, ASheetThatIsTurnedAwayBlocksLight) {
   for (const double side : {1.0, -1.0}) {
     SLIMSurface surface = floorSurface();
     addRectangle(surface, {-0.2, -0.2, 0.3}, {0.4, 0.0, 0.0}, {0.0, 0.4, 0.0}, {0.0, 0.0, side},
@@ -130,14 +122,13 @@ TEST(Shadows, ASheetThatIsTurnedAwayBlocksLight)
   }
 }
 
-TEST(Shadows, OfAWideLightHaveSoftRims)
-{
+TEST(Shadows, OfAWideLightHaveSoftRims) {
   SLIMSurface surface = floorSurface();
   addRectangle(surface, {-0.5, -0.5, 0.2}, {0.5, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, 0.025,
                0.05);
-  // The edge at x = 0 stands .2 above the floor; seen from there the light is 10 degrees wide, so that
-  // half of it is hidden below the edge and none .2 tan 10 = .035 aside. The sheet's leaves reach on
-  // by what they cover, at most .03.
+  // The edge at x = 0 stands .2 above the floor; seen from there the light is 10 degrees wide, so
+  // that half of it is hidden below the edge and none .2 tan 10 = .035 aside. The sheet's leaves
+  // reach on by what they cover, at most .03.
   Camera camera = cameraAbove(80);
   camera.position = {0.0, 0.0, 0.1};
   double sum = 0.0;
@@ -165,8 +156,7 @@ TEST(Shadows, OfAWideLightHaveSoftRims)
   EXPECT_GT(half_lit, 200u);
 }
 
-TEST(Occlusion, OfAPlaneIsNone)
-{
+TEST(Occlusion, OfAPlaneIsNone) {
   TraceParams params;
   params.occlusion_rays = 16;
   const Frame frame(floorSurface(), cameraAbove(40), params);
@@ -176,8 +166,7 @@ TEST(Occlusion, OfAPlaneIsNone)
 
 // Beside a long wall of height h a share (1 - d / sqrt(d^2 + h^2)) / 2 of the light from above is
 // hidden at distance d.
-TEST(Occlusion, BesideAWallIsTheAnalyticShare)
-{
+TEST(Occlusion, BesideAWallIsTheAnalyticShare) {
   constexpr double kHeight = 0.3;
   SLIMSurface surface = floorSurface();
   addRectangle(surface, {-0.2, -3.0, 0.02}, {0.0, 6.0, 0.0}, {0.0, 0.0, kHeight - 0.03},
@@ -197,8 +186,7 @@ TEST(Occlusion, BesideAWallIsTheAnalyticShare)
   }
 }
 
-TEST(Occlusion, LooksNoFartherThanItsReach)
-{
+TEST(Occlusion, LooksNoFartherThanItsReach) {
   SLIMSurface surface = floorSurface();
   addRectangle(surface, {-0.5, -0.5, 0.2}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, -1.0},
                0.025, 0.05);

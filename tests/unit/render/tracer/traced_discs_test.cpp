@@ -13,9 +13,8 @@ namespace {
 using namespace test;
 
 // The same discs are met by the same rays in double precision; only the order of sums differs.
-void
-expectRasterised(const SplatSet& set, const Camera& camera, bool filtered, VisibleSides sides)
-{
+void expectRasterised(const SplatSet& set, const Camera& camera, bool filtered,
+                      VisibleSides sides) {
   GBuffer drawn, traced;
   LightBuffer light;
   DiscRenderParams render;
@@ -40,8 +39,7 @@ expectRasterised(const SplatSet& set, const Camera& camera, bool filtered, Visib
   }
 }
 
-TEST(TracedDiscs, ShowWhatTheRasteriserShows)
-{
+TEST(TracedDiscs, ShowWhatTheRasteriserShows) {
   const SplatSet set = discSphere(0.4, 900, 0.035);
   for (const bool filtered : {true, false}) {
     expectRasterised(set, discCamera(160, 120), filtered, VisibleSides::kAuto);
@@ -49,8 +47,7 @@ TEST(TracedDiscs, ShowWhatTheRasteriserShows)
   }
 }
 
-TEST(TracedDiscs, SmallerThanAPixelAreNotLost)
-{
+TEST(TracedDiscs, SmallerThanAPixelAreNotLost) {
   const SplatSet set = discSphere(0.4, 20000, 0.001);
   expectRasterised(set, discCamera(80, 60), true, VisibleSides::kAuto);
   Camera parallel = discCamera(80, 60);
@@ -58,8 +55,7 @@ TEST(TracedDiscs, SmallerThanAPixelAreNotLost)
   expectRasterised(set, parallel, true, VisibleSides::kAuto);
 }
 
-TEST(TracedDiscs, CastShadows)
-{
+TEST(TracedDiscs, CastShadows) {
   SplatSet set;
   for (int i = -20; i <= 20; ++i) {
     for (int j = -20; j <= 20; ++j) {
@@ -86,8 +82,7 @@ TEST(TracedDiscs, CastShadows)
   }
 }
 
-TEST(TracedDiscs, RaysOfNoCameraMeetThemAsTheyAre)
-{
+TEST(TracedDiscs, RaysOfNoCameraMeetThemAsTheyAre) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.1, 0x336699);
   const RayTracer tracer(set);

@@ -17,10 +17,8 @@ namespace {
 using namespace test;
 
 /** Pixels of a frame whose ray met nothing. */
-std::size_t
-openPixels(const SLIMSurface& surface, const Camera& camera, bool close_gaps,
-           TraceStatistics* counts = nullptr)
-{
+std::size_t openPixels(const SLIMSurface& surface, const Camera& camera, bool close_gaps,
+                       TraceStatistics* counts = nullptr) {
   TraceParams params;
   params.close_gaps = close_gaps;
   GBuffer buffer;
@@ -31,11 +29,9 @@ openPixels(const SLIMSurface& surface, const Camera& camera, bool close_gaps,
   return buffer.numPixels() - buffer.numCovered();
 }
 
-/** A sheet of leaves of radius .05, .024 apart, without the four around its middle, so that the nearest lie
- * .76 radii off: beyond the cover radius of 2/3, but all around. */
-SLIMSurface
-sheetWithGap()
-{
+/** A sheet of leaves of radius .05, .024 apart, without the four around its middle, so that the
+ * nearest lie .76 radii off: beyond the cover radius of 2/3, but all around. */
+SLIMSurface sheetWithGap() {
   SLIMSurface dense = emptySurface(2), surface = emptySurface(2);
   addRectangle(dense, {-0.348, -0.348, 0.0}, {0.696, 0.0, 0.0}, {0.0, 0.696, 0.0}, {0.0, 0.0, 1.0},
                0.024, 0.05);
@@ -46,8 +42,7 @@ sheetWithGap()
   return surface;
 }
 
-TEST(TracedGaps, GapsBetweenShrunkBallsAreClosed)
-{
+TEST(TracedGaps, GapsBetweenShrunkBallsAreClosed) {
   const SLIMSurface surface = sheetWithGap();
   Camera camera = frontCamera(100, 100);
   camera.fov = 10.0;
@@ -59,8 +54,7 @@ TEST(TracedGaps, GapsBetweenShrunkBallsAreClosed)
   EXPECT_EQ(counts.closed, open);
 }
 
-TEST(TracedGaps, RasterisersCloseThemWhereAsked)
-{
+TEST(TracedGaps, RasterisersCloseThemWhereAsked) {
   const SLIMSurface surface = sheetWithGap();
   Camera camera = frontCamera(100, 100);
   camera.fov = 10.0;
@@ -81,8 +75,7 @@ TEST(TracedGaps, RasterisersCloseThemWhereAsked)
   }
 }
 
-TEST(TracedGaps, AreClosedInFramesThatSomethingElseDrew)
-{
+TEST(TracedGaps, AreClosedInFramesThatSomethingElseDrew) {
   const SLIMSurface surface = sheetWithGap();
   Camera camera = frontCamera(100, 100);
   camera.fov = 10.0;
@@ -113,9 +106,7 @@ TEST(TracedGaps, AreClosedInFramesThatSomethingElseDrew)
 }
 
 /** Cuts a hole about the origin into a flat sheet, by a map for every leaf. */
-void
-cutHole(SLIMSurface& surface, double hole_radius)
-{
+void cutHole(SLIMSurface& surface, double hole_radius) {
   constexpr int kSide = 16;
   std::vector<std::uint8_t> bits;
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -135,8 +126,7 @@ cutHole(SLIMSurface& surface, double hole_radius)
   surface.setTrimMaps(std::vector<std::uint8_t>(surface.size(), kSide), bits);
 }
 
-TEST(TracedGaps, HolesOfTrimMapsStayOpen)
-{
+TEST(TracedGaps, HolesOfTrimMapsStayOpen) {
   SLIMSurface surface = emptySurface(2);
   addRectangle(surface, {-0.348, -0.348, 0.0}, {0.696, 0.0, 0.0}, {0.0, 0.696, 0.0},
                {0.0, 0.0, 1.0}, 0.024, 0.05);
@@ -148,8 +138,7 @@ TEST(TracedGaps, HolesOfTrimMapsStayOpen)
   EXPECT_EQ(openPixels(surface, camera, true), openPixels(surface, camera, false));
 }
 
-TEST(TracedGaps, LightDoesNotLeakThroughGaps)
-{
+TEST(TracedGaps, LightDoesNotLeakThroughGaps) {
   const SLIMSurface surface = sheetWithGap();
   const RayTracer tracer(surface);
   std::vector<WorldRay> rays;
@@ -163,10 +152,9 @@ TEST(TracedGaps, LightDoesNotLeakThroughGaps)
   for (const std::uint8_t one : blocked) EXPECT_EQ(one, 1);
 }
 
-// Between two balls a hundredth of a radius apart leaves of both lie around the ray, but they face each
-// other; and the rim of a sheet has leaves to one side only.
-TEST(TracedGaps, SlitsAndRimsStayOpen)
-{
+// Between two balls a hundredth of a radius apart leaves of both lie around the ray, but they face
+// each other; and the rim of a sheet has leaves to one side only.
+TEST(TracedGaps, SlitsAndRimsStayOpen) {
   SLIMSurface surface = sphereSurface(4, 0.1, 600, 0.02, {0.101, 0.0, 0.0});
   const SLIMSurface other = sphereSurface(4, 0.1, 600, 0.02, {-0.101, 0.0, 0.0});
   for (std::size_t i = 0; i < other.size(); ++i) {

@@ -14,8 +14,7 @@ namespace {
 
 using namespace test;
 
-TEST(TracedPicture, LightsStandWhereTheViewerSeesThem)
-{
+TEST(TracedPicture, LightsStandWhereTheViewerSeesThem) {
   Camera camera;  // at +z, up +y: the viewer's right is +x
   const auto expect = [&](double azimuth, double elevation, const std::array<double, 3>& right) {
     const auto direction = lightDirection(camera, azimuth, elevation);
@@ -28,8 +27,7 @@ TEST(TracedPicture, LightsStandWhereTheViewerSeesThem)
   expect(180.0, 0.0, {0.0, 0.0, -1.0});
 }
 
-TEST(TracedPicture, TheSideTowardsTheLightIsBright)
-{
+TEST(TracedPicture, TheSideTowardsTheLightIsBright) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
   RayTracer tracer(surface);
   const Camera camera = frontCamera(64, 64);
@@ -44,8 +42,7 @@ TEST(TracedPicture, TheSideTowardsTheLightIsBright)
   EXPECT_GT(pixelOf(*image, 0, 0)[0], 200);  // the background
 }
 
-TEST(TracedPicture, DiscsShowTheirColours)
-{
+TEST(TracedPicture, DiscsShowTheirColours) {
   SplatSet set = discSphere(0.4, 900, 0.04);
   for (std::uint32_t& rgb : set.rgb) rgb = 0x20c040;
   RayTracer tracer(set);
@@ -58,8 +55,7 @@ TEST(TracedPicture, DiscsShowTheirColours)
   EXPECT_GT(middle[1], middle[2] + 40);
 }
 
-TEST(TracedPicture, SaysWhatItCannotShow)
-{
+TEST(TracedPicture, SaysWhatItCannotShow) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 200, 0.1);
   RayTracer tracer(surface);
   ShadingParams shading;
@@ -71,8 +67,7 @@ TEST(TracedPicture, SaysWhatItCannotShow)
             ErrorCode::kBadArgument);
 }
 
-TEST(TracedPicture, StopsWhenItIsCancelled)
-{
+TEST(TracedPicture, StopsWhenItIsCancelled) {
   const SLIMSurface surface = sphereSurface(2, kSphere, 200, 0.1);
   RayTracer tracer(surface);
   Progress progress;

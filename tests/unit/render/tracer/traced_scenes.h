@@ -18,9 +18,7 @@ namespace pcl_slim::test {
 using Point = std::array<double, 3>;
 
 /** \brief An oriented surface of a degree without leaves; local units are the world's. */
-inline SLIMSurface
-emptySurface(int degree)
-{
+inline SLIMSurface emptySurface(int degree) {
   SLIMSurface surface;
   surface.info.degree = degree;
   surface.info.oriented = true;
@@ -28,9 +26,8 @@ emptySurface(int degree)
 }
 
 /** \brief Adds a leaf, coefficients all 0. \return them. */
-inline float*
-addLeaf(SLIMSurface& surface, const Point& center, const Point& normal, double radius)
-{
+inline float* addLeaf(SLIMSurface& surface, const Point& center, const Point& normal,
+                      double radius) {
   const std::size_t i = surface.size();
   surface.resize(i + 1);
   surface.cx[i] = static_cast<float>(center[0]);
@@ -47,10 +44,8 @@ addLeaf(SLIMSurface& surface, const Point& center, const Point& normal, double r
 }
 
 /** \brief Adds flat leaves a step apart over a rectangle with a corner and two orthogonal sides. */
-inline void
-addRectangle(SLIMSurface& surface, const Point& corner, const Point& side_a, const Point& side_b,
-             const Point& normal, double step, double radius)
-{
+inline void addRectangle(SLIMSurface& surface, const Point& corner, const Point& side_a,
+                         const Point& side_b, const Point& normal, double step, double radius) {
   const auto length = [](const Point& p) { return std::hypot(p[0], p[1], p[2]); };
   const int na = static_cast<int>(std::lround(length(side_a) / step));
   const int nb = static_cast<int>(std::lround(length(side_b) / step));
@@ -64,9 +59,7 @@ addRectangle(SLIMSurface& surface, const Point& corner, const Point& side_a, con
 }
 
 /** \brief A torus about the z axis as quadratic Taylor polynomials. */
-inline SLIMSurface
-torusSurface(double major, double minor, int around, int across, double radius)
-{
+inline SLIMSurface torusSurface(double major, double minor, int around, int across, double radius) {
   SLIMSurface surface = emptySurface(2);
   for (int i = 0; i < around; ++i) {
     for (int j = 0; j < across; ++j) {
@@ -91,9 +84,7 @@ torusSurface(double major, double minor, int around, int across, double radius)
   return surface;
 }
 
-inline Point
-randomDirection(std::mt19937& random)
-{
+inline Point randomDirection(std::mt19937& random) {
   std::normal_distribution<double> normal;
   const Point p{normal(random), normal(random), normal(random)};
   const double l = std::hypot(p[0], p[1], p[2]);
@@ -101,9 +92,7 @@ randomDirection(std::mt19937& random)
 }
 
 /** \brief Parameters of a frame under one white light. */
-inline TraceParams
-litFrom(const Point& towards, double spread = 0.0)
-{
+inline TraceParams litFrom(const Point& towards, double spread = 0.0) {
   TraceParams params;
   params.lights.resize(1);
   params.lights.front().towards = towards;
@@ -111,10 +100,8 @@ litFrom(const Point& towards, double spread = 0.0)
   return params;
 }
 
-inline std::vector<WorldHit>
-cast(const RayTracer& tracer, const std::vector<WorldRay>& rays,
-     VisibleSides sides = VisibleSides::kAuto)
-{
+inline std::vector<WorldHit> cast(const RayTracer& tracer, const std::vector<WorldRay>& rays,
+                                  VisibleSides sides = VisibleSides::kAuto) {
   std::vector<WorldHit> hits;
   const Error error = tracer.cast(rays, sides, hits);
   EXPECT_FALSE(error) << error.message;

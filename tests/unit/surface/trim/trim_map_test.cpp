@@ -14,9 +14,7 @@ namespace {
 using namespace pcl_slim_test;
 
 /** A map whose nodes left of a column are inside. */
-std::vector<std::uint8_t>
-leftOf(int column, int side)
-{
+std::vector<std::uint8_t> leftOf(int column, int side) {
   std::vector<std::uint8_t> bits(TrimMap::numBytes(side));
   for (int k = 0; k < side * side; ++k) {
     if (k % side < column)
@@ -25,14 +23,12 @@ leftOf(int column, int side)
   return bits;
 }
 
-TEST(TrimMap, ClosedIsInsideEverywhere)
-{
+TEST(TrimMap, ClosedIsInsideEverywhere) {
   EXPECT_TRUE(TrimMap().closed());
   EXPECT_EQ(outsideShare(TrimMap(), 0.3, -0.9), 0.0);
 }
 
-TEST(TrimMap, AStraightBorderLiesHalfWayBetweenItsNodes)
-{
+TEST(TrimMap, AStraightBorderLiesHalfWayBetweenItsNodes) {
   const int side = 9;
   const auto bits = leftOf(6, side);
   const TrimMap map{side, bits.data()};
@@ -47,8 +43,7 @@ TEST(TrimMap, AStraightBorderLiesHalfWayBetweenItsNodes)
   }
 }
 
-TEST(TrimMap, FlippingASurfelMirrorsItsMap)
-{
+TEST(TrimMap, FlippingASurfelMirrorsItsMap) {
   SLIMSurface surface = sphereSurface(3, 100);
   setRandomTrimMaps(surface);
   SLIMSurface flipped = surface;
@@ -67,8 +62,7 @@ TEST(TrimMap, FlippingASurfelMirrorsItsMap)
   EXPECT_EQ(surface.trim_maps, flipped.trim_maps);
 }
 
-TEST(TrimMap, ValidationNamesBrokenMaps)
-{
+TEST(TrimMap, ValidationNamesBrokenMaps) {
   SLIMSurface surface = sphereSurface(2, 20);
   setRandomTrimMaps(surface);
   ASSERT_FALSE(surface.validate());
@@ -86,9 +80,7 @@ TEST(TrimMap, ValidationNamesBrokenMaps)
 }
 
 /** A map of one round hole, so many nodes wide, in its middle. */
-std::vector<std::uint8_t>
-aroundHole(double width, int side)
-{
+std::vector<std::uint8_t> aroundHole(double width, int side) {
   std::vector<std::uint8_t> bits(TrimMap::numBytes(side));
   const double middle = 0.5 * (side - 1);
   for (int k = 0; k < side * side; ++k) {
@@ -98,8 +90,7 @@ aroundHole(double width, int side)
   return bits;
 }
 
-TEST(TrimMap, HolesAreClosedByTheirWidth)
-{
+TEST(TrimMap, HolesAreClosedByTheirWidth) {
   constexpr int kSide = 33;
   SLIMSurface surface = sphereSurface(2, 3);
   // Two holes, eight and fourteen spacings wide in the data, and a straight border.
@@ -128,8 +119,7 @@ TEST(TrimMap, HolesAreClosedByTheirWidth)
   EXPECT_FALSE(surface.validate());
 }
 
-TEST(TrimMap, ClosingHolesOpensNothing)
-{
+TEST(TrimMap, ClosingHolesOpensNothing) {
   SLIMSurface surface = sphereSurface(3, 200);
   setRandomTrimMaps(surface);
   SLIMSurface closed = surface, again = surface;

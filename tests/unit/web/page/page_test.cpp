@@ -13,26 +13,22 @@ namespace {
 
 using namespace test;
 
-std::string
-pageOf(const PageParams& params, const ShadingParams& shading = {}, RenderParams rendering = {})
-{
+std::string pageOf(const PageParams& params, const ShadingParams& shading = {},
+                   RenderParams rendering = {}) {
   const SLIMSurface sphere = sphereSurface(2, kSphere, 200, 0.08);
   const auto page = encodePage(sphere, frontCamera(), rendering, shading, params);
   EXPECT_TRUE(page) << page.error().message;
   return page ? *page : std::string();
 }
 
-std::size_t
-countOf(const std::string& text, const std::string& part)
-{
+std::size_t countOf(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
     ++count;
   return count;
 }
 
-TEST(Page, IsFilledAndAlone)
-{
+TEST(Page, IsFilledAndAlone) {
   const std::string page = pageOf({});
   EXPECT_EQ(countOf(page, "<!--"), 1u);  // the licence: no place is left empty
   EXPECT_EQ(countOf(page, "http:") + countOf(page, "https:"), 0u);
@@ -40,8 +36,7 @@ TEST(Page, IsFilledAndAlone)
   EXPECT_EQ(page, pageOf({}));
 }
 
-TEST(Page, TakesAnyTitle)
-{
+TEST(Page, TakesAnyTitle) {
   PageParams params;
   params.title = "</script><b>&amp;";
   const std::string page = pageOf(params);
@@ -49,8 +44,7 @@ TEST(Page, TakesAnyTitle)
   EXPECT_EQ(countOf(page, "&lt;/script>&lt;b>&amp;amp;"), 2u);
 }
 
-TEST(Page, OpensAsAsked)
-{
+TEST(Page, OpensAsAsked) {
   ShadingParams shading;
   shading.mode = ShadingMode::kGaussian;
   shading.range = {-2.0, 5.0};
@@ -67,8 +61,7 @@ TEST(Page, OpensAsAsked)
   EXPECT_NEAR(std::strtod(page.c_str() + mean + 8, nullptr), -1.0 / kSphere, 0.05);
 }
 
-TEST(Page, RefusesCuts)
-{
+TEST(Page, RefusesCuts) {
   const SLIMSurface sphere = sphereSurface(2, kSphere, 200, 0.08);
   RenderParams rendering;
   rendering.cuts.push_back({{0.0, 0.0, 1.0}, 0.0});

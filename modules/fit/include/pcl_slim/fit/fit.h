@@ -31,7 +31,8 @@ struct TargetError {
 struct MaxSurfels {
   std::uint64_t leaves = 0;  ///< 1 or more
 };
-/** \brief Residuals and penalty as if the noise variance were a multiple of lambda: what the two above solve for. */
+/** \brief Residuals and penalty as if the noise variance were a multiple of lambda: what the two
+ * above solve for. */
 struct NoiseFactor {
   double factor = 0.0;  ///< > 0
 };
@@ -40,9 +41,7 @@ using SizeRule = std::variant<PenaltyWeight, MDLThreshold, TargetError, MaxSurfe
 
 /** \brief A parameter from a number of which 0 means that it is not set. */
 template <typename Number>
-std::optional<Number>
-unlessZero(Number value)
-{
+std::optional<Number> unlessZero(Number value) {
   return value != 0 ? std::optional<Number>(value) : std::nullopt;
 }
 
@@ -54,37 +53,27 @@ struct PCL_SLIM_EXPORT FitParams {
   std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
   std::optional<double>
       cover_radius;              ///< alpha in (0, 1], 1 is the compact setting; unset: 2/3, and
-                                 ///< .55 for leaves of a large effective count
   double cover_threshold = 0.1;  ///< gamma > 0
   std::optional<double> least_radius;  ///< > 0, world units: no ball is narrower, so that no finer
-                                       ///< detail is kept
   bool sharp_features =
       false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
   bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
   bool keep_outliers = false;  ///< fit points that are far from all others, too (findOutliers())
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
-                                    ///< than clean ones; unset: if the data show it
   std::optional<double> noise_correlation;  ///< number of points that share an error; unset:
-                                            ///< from the data
-  /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world units;
-  /// needs a viewpoint or the store's sensors
+  /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world
+  /// units; needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
-                                 ///< normals measured independently of the points
   std::optional<double>
       normal_error;         ///< with it: the normals' RMS error, (0, pi/2] radians; unset:
-                            ///< measured, and normals that follow the points' own noise
-                            ///< are no data
   bool paper_mode = false;  ///< the choices of Ohtake et al. 2005 throughout
   bool trim = true;         ///< make trim maps, which end the surface where the data end or
-                            ///< leave holes; never with paper_mode
   double hole_size = 4.0;   ///< with it: diameter of the smallest hole kept, in spacings of the
-                            ///< points; 2 or more
   bool sides = true;   ///< without normals and viewpoint: give points sides before the cover where
-                       ///< balls would meet both sides of thin parts
   bool orient = true;  ///< without normals: sign the output by the leaves' graph
-  /// sign the output towards this place instead, world coordinates; unset: towards the sensors of the
-  /// store's points, or its only sensor
+  /// sign the output towards this place instead, world coordinates; unset: towards the sensors of
+  /// the store's points, or its only sensor
   std::optional<std::array<double, 3>> viewpoint;
   std::uint64_t seed = 1;  ///< of the order in which centres are tried
   int threads = 0;         ///< 0: all cores; never changes the result
@@ -135,8 +124,8 @@ struct SideStatistics {
   /// points were moved to the planes of this many neighbours first; 0: they were not
   std::uint64_t plane_neighbors = 0;
   double gap = 0;  ///< median distance of sheets that face apart [spacings]; 0: none do
-  /// below 1: leaves follow the points to within this share of lambda, where few spacings are between sheets
-  /// and sides are in doubt
+  /// below 1: leaves follow the points to within this share of lambda, where few spacings are
+  /// between sheets and sides are in doubt
   double noise_share = 1;
   SideSource source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
@@ -198,16 +187,15 @@ struct FitStatistics {
  * \return an error for bad parameters, no points, points that are nowhere a surface
  * (ErrorCode::kNoSurface; statistics are then filled), or cancellation; surface is then empty.
  */
-PCL_SLIM_EXPORT Error
-fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
-           FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error fitSurface(const PointStore& store, const FitParams& params,
+                                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                                 Progress* progress = nullptr);
 
-/** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts each
- * point onto its own side. Where noise is wider than the spacing and sides are in doubt, the store's points are moved
- * to local planes (SideStatistics::plane_neighbors): a further fit starts from there. Sides of an earlier
- * fit are dropped first. */
-PCL_SLIM_EXPORT Error
-fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
-           FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+/** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts
+ * each point onto its own side. Where noise is wider than the spacing and sides are in doubt, the
+ * store's points are moved to local planes (SideStatistics::plane_neighbors): a further fit starts
+ * from there. Sides of an earlier fit are dropped first. */
+PCL_SLIM_EXPORT Error fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
+                                 FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 }  // namespace pcl_slim

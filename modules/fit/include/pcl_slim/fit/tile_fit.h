@@ -13,7 +13,8 @@
 
 namespace pcl_slim {
 
-/** \brief What the fit of one tile takes from the whole cloud, so that no tile measures it for itself. */
+/** \brief What the fit of one tile takes from the whole cloud, so that no tile measures it for
+ * itself. */
 struct CloudTraits {
   double lambda = 0;        ///< noise variance, squared local lengths
   double dependence = 1;    ///< points that a fit counts as one because they share their errors
@@ -41,13 +42,16 @@ struct MeasuredTraits {
 
 /** \brief Measures what tiles share on a sample of the cloud, in the cloud's frame.
  *
- * The estimator is that of fitSurface(); its patches contain at most an eighth of a window's points.
+ * The estimator is that of fitSurface(); its patches contain at most an eighth of a window's
+ * points.
  * \return an error where normals are to be data and there are none. O(sample).
  */
-PCL_SLIM_EXPORT Result<MeasuredTraits>
-measureTraits(const PointStore& sample, const FitParams& params, const TraitsSample& how);
+PCL_SLIM_EXPORT Result<MeasuredTraits> measureTraits(const PointStore& sample,
+                                                     const FitParams& params,
+                                                     const TraitsSample& how);
 
-/** \brief Radii of the levels of balls in a frame: radius(k) = first * ratio^(k - 1), local lengths. */
+/** \brief Radii of the levels of balls in a frame: radius(k) = first * ratio^(k - 1), local
+ * lengths. */
 struct PCL_SLIM_EXPORT LevelRadii {
   double first = 0, ratio = 1;
   int last =
@@ -58,8 +62,7 @@ struct PCL_SLIM_EXPORT LevelRadii {
   double reach(int level) const;
 };
 
-PCL_SLIM_EXPORT LevelRadii
-levelRadii(const StoreFrame& frame, const FitParams& params);
+PCL_SLIM_EXPORT LevelRadii levelRadii(const StoreFrame& frame, const FitParams& params);
 
 /** \brief One tile of a cloud. */
 struct TileJob {
@@ -69,19 +72,18 @@ struct TileJob {
 };
 
 /** \brief Names the first parameter that a fit by tiles cannot honour. */
-PCL_SLIM_EXPORT Error
-checkTileParams(const FitParams& params);
+PCL_SLIM_EXPORT Error checkTileParams(const FitParams& params);
 
-/** \brief Fits the surfels of one tile: the points of its core are centres, the others of its store are
- * only seen.
+/** \brief Fits the surfels of one tile: the points of its core are centres, the others of its store
+ * are only seen.
  *
- * The store is in the cloud's frame and contains all points within LevelRadii::reach(first_level) of
- * the core. Surfels get trim maps but no common side (orientSurfels()) and no links. A tile without a leaf
- * gives an empty surface and no error. Same bytes for any number of threads.
+ * The store is in the cloud's frame and contains all points within LevelRadii::reach(first_level)
+ * of the core. Surfels get trim maps but no common side (orientSurfels()) and no links. A tile
+ * without a leaf gives an empty surface and no error. Same bytes for any number of threads.
  */
-PCL_SLIM_EXPORT Error
-fitTile(PointStore store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
-        FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error fitTile(PointStore store, const FitParams& params, const TileJob& job,
+                              SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                              Progress* progress = nullptr);
 
 /** \brief Levels above those that the tiles of a cloud begin with. */
 struct CoarseJob {
@@ -90,18 +92,19 @@ struct CoarseJob {
   std::uint64_t thinning = 1;  ///< one of this many points is in the sample
 };
 
-/** \brief Fits the surfels that a level of detail draws in place of those of tiles: levels from the first that a
- * fit in memory would begin with to a last one, none of the surfels a leaf.
+/** \brief Fits the surfels that a level of detail draws in place of those of tiles: levels from the
+ * first that a fit in memory would begin with to a last one, none of the surfels a leaf.
  *
- * \param[in] sample of all of the cloud, in the cloud's frame. Surfels get trim maps but no common side and
- * no links. Same bytes for any number of threads. O(sample * levels). \return an error for cancellation. */
-PCL_SLIM_EXPORT Error
-fitCoarseLevels(const PointStore& sample, const FitParams& params, const CoarseJob& job,
-                SLIMSurface& surface, Progress* progress = nullptr);
+ * \param[in] sample of all of the cloud, in the cloud's frame. Surfels get trim maps but no common
+ * side and no links. Same bytes for any number of threads. O(sample * levels). \return an error for
+ * cancellation. */
+PCL_SLIM_EXPORT Error fitCoarseLevels(const PointStore& sample, const FitParams& params,
+                                      const CoarseJob& job, SLIMSurface& surface,
+                                      Progress* progress = nullptr);
 
-/** \brief Gives the surfels of all tiles together a common side, as a fit without normals does; a frame
- * with a sensor turns them there. O(leaves log leaves). */
-PCL_SLIM_EXPORT void
-orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface);
+/** \brief Gives the surfels of all tiles together a common side, as a fit without normals does; a
+ * frame with a sensor turns them there. O(leaves log leaves). */
+PCL_SLIM_EXPORT void orientSurfels(const StoreFrame& frame, const FitParams& params,
+                                   SLIMSurface& surface);
 
 }  // namespace pcl_slim

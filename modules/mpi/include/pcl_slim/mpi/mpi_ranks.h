@@ -12,10 +12,10 @@ namespace pcl_slim {
 
 /** \brief Waits for an MPI request without keeping a core busy. \param[in] seconds at most so long;
  * negative: as long as it takes \return whether it is done */
-PCL_SLIM_EXPORT bool
-waitFor(MPI_Request& request, double seconds = -1);
+PCL_SLIM_EXPORT bool waitFor(MPI_Request& request, double seconds = -1);
 
-/** \brief The ranks of an MPI job, for StreamParams::ranks. MPI must be initialised, and outlive this. */
+/** \brief The ranks of an MPI job, for StreamParams::ranks. MPI must be initialised, and outlive
+ * this. */
 class PCL_SLIM_EXPORT MpiRanks : public Ranks {
  public:
   explicit MpiRanks(MPI_Comm world = MPI_COMM_WORLD);

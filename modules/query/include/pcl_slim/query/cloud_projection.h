@@ -16,7 +16,8 @@
 
 namespace pcl_slim {
 
-/** \brief Least share of points that a surface made elsewhere must support to count as the cloud's. */
+/** \brief Least share of points that a surface made elsewhere must support to count as the cloud's.
+ */
 constexpr double kLeastSharedSupport = 0.1;
 
 /** \brief How a cloud is projected onto a surface. */
@@ -75,8 +76,7 @@ class PCL_SLIM_EXPORT CloudProjection {
   std::size_t size() const { return stored_.size(); }
   bool isFinite(std::size_t i) const { return stored_[i] != PointStore::kSkipped; }
   /** \brief Whether the i-th selected point has been moved; otherwise it keeps its place. */
-  bool isSupported(std::size_t i) const
-  {
+  bool isSupported(std::size_t i) const {
     return isFinite(i) && projection_.supported[stored_[i]] != 0;
   }
   /** \brief Whether the i-th selected point has been moved to a place inside the surface's borders,

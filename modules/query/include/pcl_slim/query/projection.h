@@ -22,12 +22,12 @@ struct ProjectionParams {
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
   double reach =
       0;  ///< > 0: the points are places, not measurements of the surface: leaves up to this
-          ///< share of a ball's radius away count, whatever the residuals
   bool paper_mode = false;  ///< formula (6) as printed, without the guards
   int threads = 0;          ///< 0: all cores; never changes the result
 };
 
-/** \brief Greatest and least normal curvature, 1/local length, and the unit tangents along which they occur.
+/** \brief Greatest and least normal curvature, 1/local length, and the unit tangents along which
+ * they occur.
  *
  * k1 >= k2; directions are perpendicular to each other and to the normal, each with an arbitrary
  * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. The extremalities
@@ -54,19 +54,19 @@ struct Projection {
 
 /** \brief Moves every stored point along the blended direction of its leaves onto the surface.
  *
- * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
- * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where
- * both sides have normals a leaf counts only at points with a similar normal; where the fit found the
- * sides, points without such a leaf take all. Weights carry the inverse
- * variance v / (v + e^2) of each leaf, v = lambda + (r / 1000)^2 being what is expected. Surfels
- * without orientation are aligned in sign to each other, point by point. Never emits NaN.
- * Curvature is positive where the surface bends away from its normal (a sphere with outward
- * normals has mean 1/R). The points need not be those the surface was fitted to: both are in
- * world coordinates through their origins and scales, and points away from it are unsupported.
- * Trim maps move no point and drop none: they only decide which of them are inside the borders.
+ * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken at
+ * the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where both
+ * sides have normals a leaf counts only at points with a similar normal; where the fit found the
+ * sides, points without such a leaf take all. Weights carry the inverse variance v / (v + e^2) of
+ * each leaf, v = lambda + (r / 1000)^2 being what is expected. Surfels without orientation are
+ * aligned in sign to each other, point by point. Never emits NaN. Curvature is positive where the
+ * surface bends away from its normal (a sphere with outward normals has mean 1/R). The points need
+ * not be those the surface was fitted to: both are in world coordinates through their origins and
+ * scales, and points away from it are unsupported. Trim maps move no point and drop none: they only
+ * decide which of them are inside the borders.
  */
-PCL_SLIM_EXPORT Error
-projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
-              Projection& result, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error projectPoints(const PointStore& store, const SLIMSurface& surface,
+                                    const ProjectionParams& params, Projection& result,
+                                    Progress* progress = nullptr);
 
 }  // namespace pcl_slim

@@ -58,8 +58,8 @@ struct SheetDistance {
   float normal[3] = {};  ///< unit, blended
 };
 
-/** \brief How far leaves reach and how many points are behind them at a place, both blended with the
- * leaves' weights, and how well they cover it; 0 where there is none. */
+/** \brief How far leaves reach and how many points are behind them at a place, both blended with
+ * the leaves' weights, and how well they cover it; 0 where there is none. */
 struct ProbeScale {
   double radius = 0;           ///< local units
   double effective_count = 0;  ///< effective number of points
@@ -77,14 +77,14 @@ struct ProbeRequest {
   const Vector3* sides = nullptr;  ///< one for each position, in place of side
 };
 
-/** \brief Evaluates a surface at any places, as projectPoints() does at stored points: equations (6) to
- * (8) of Ohtake, Belyaev, Alexa 2005 with the same guards, up to sixteen places at a time.
+/** \brief Evaluates a surface at any places, as projectPoints() does at stored points: equations
+ * (6) to (8) of Ohtake, Belyaev, Alexa 2005 with the same guards, up to sixteen places at a time.
  *
- * Places in one request should be close together, because the leaves of all are evaluated: about 2 us for
- * sixteen places within a ball's radius. Leaves found for one request are used for the next ones nearby. One
- * object per thread. The last digits of a result depend on the requests since restart(). Residual gates
- * are never narrower than a tenth of a ball's radius, as places between samples of a clean fit would
- * fall through those that projectPoints() needs for points.
+ * Places in one request should be close together, because the leaves of all are evaluated: about 2
+ * us for sixteen places within a ball's radius. Leaves found for one request are used for the next
+ * ones nearby. One object per thread. The last digits of a result depend on the requests since
+ * restart(). Residual gates are never narrower than a tenth of a ball's radius, as places between
+ * samples of a clean fit would fall through those that projectPoints() needs for points.
  */
 class PCL_SLIM_EXPORT SurfaceProbe {
  public:
@@ -100,20 +100,21 @@ class PCL_SLIM_EXPORT SurfaceProbe {
   /** \brief \param[out] samples one for each position. Cost: O(leaves near the places). */
   void evaluate(const ProbeRequest& request, ProbeSample* samples);
 
-  /** \brief Distances from up to kMost places to the sheets of surface nearest to them; needs an index for
-   * ProbeUse::kExtraction.
+  /** \brief Distances from up to kMost places to the sheets of surface nearest to them; needs an
+   * index for ProbeUse::kExtraction.
    *
-   * The nearest leaf, by weight over squared distance, chooses the sheet; leaves on its side and at about its
-   * distance are blended, with their weights at the places' feet. The zero set is that of the blended
-   * surface but for terms of second order in the distance. Unoriented surfaces give the sign of the
-   * nearest leaf. O(leaves near the places). \param[out] distances one for each place. */
+   * The nearest leaf, by weight over squared distance, chooses the sheet; leaves on its side and at
+   * about its distance are blended, with their weights at the places' feet. The zero set is that of
+   * the blended surface but for terms of second order in the distance. Unoriented surfaces give the
+   * sign of the nearest leaf. O(leaves near the places). \param[out] distances one for each place.
+   */
   void distances(const Vector3* places, std::size_t count, SheetDistance* distances);
 
   /** \brief Colours of a surface that has any, blended with the leaves' weights at places on it.
-   * \param[in] sides normals at the places: where the surface is oriented, leaves that face away from them
-   * do not count. A place on no leaf's sheet gets the colours of all balls that contain it, or none.
-   * O(leaves near the places). \param[out] colors red, green, blue, 0..255, for each of up to kMost
-   * places; below 0 where there is none. */
+   * \param[in] sides normals at the places: where the surface is oriented, leaves that face away
+   * from them do not count. A place on no leaf's sheet gets the colours of all balls that contain
+   * it, or none. O(leaves near the places). \param[out] colors red, green, blue, 0..255, for each
+   * of up to kMost places; below 0 where there is none. */
   void colors(const Vector3* places, const Vector3* sides, std::size_t count,
               std::array<float, 3>* colors);
 
@@ -138,12 +139,13 @@ class PCL_SLIM_EXPORT SurfaceProbe {
 
 /** \brief Colours of a coloured surface at places on it: red, green and blue.
  *
- * Each is the mean of the leaves' colours, with the weights that blend the surface. \param[in] positions
- * world coordinates; places of one neighbourhood should follow one another \param[in] normals unit, one
- * for each \return one colour for each, white where the place is in no leaf's ball; none if the surface has
- * no colours. O(surfels log surfels + leaves near the places); the same for any number of threads. */
-PCL_SLIM_EXPORT std::vector<std::array<std::uint8_t, 3>>
-surfaceColors(const SLIMSurface& surface, const std::vector<Vector3>& positions,
-              const std::vector<std::array<float, 3>>& normals, int threads = 0);
+ * Each is the mean of the leaves' colours, with the weights that blend the surface. \param[in]
+ * positions world coordinates; places of one neighbourhood should follow one another \param[in]
+ * normals unit, one for each \return one colour for each, white where the place is in no leaf's
+ * ball; none if the surface has no colours. O(surfels log surfels + leaves near the places); the
+ * same for any number of threads. */
+PCL_SLIM_EXPORT std::vector<std::array<std::uint8_t, 3>> surfaceColors(
+    const SLIMSurface& surface, const std::vector<Vector3>& positions,
+    const std::vector<std::array<float, 3>>& normals, int threads = 0);
 
 }  // namespace pcl_slim

@@ -32,14 +32,12 @@ struct BoundingSpheres {
   bool no_strays = false;    ///< a picture has to show every sphere, however far from the bulk
 };
 
-/** \brief The leaves' balls of a surface; of one that has no leaf but links, as the levels above tiles do, the
- * balls with none below them. O(surfels). */
-PCL_SLIM_EXPORT BoundingSpheres
-spheresOf(const SLIMSurface& surface);
+/** \brief The leaves' balls of a surface; of one that has no leaf but links, as the levels above
+ * tiles do, the balls with none below them. O(surfels). */
+PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SLIMSurface& surface);
 
 /** \brief The discs of a set, which must be valid (validateDiscs); their normals count as oriented,
  * so that discs which face one way are seen from there. O(discs). */
-PCL_SLIM_EXPORT BoundingSpheres
-spheresOf(const SplatSet& splats);
+PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SplatSet& splats);
 
 }  // namespace pcl_slim

@@ -36,9 +36,10 @@ struct PCL_SLIM_EXPORT Camera {
   Error validate() const;
 };
 
-/** \brief Whether a camera may see something of a box in world coordinates; errs on the visible side. */
-PCL_SLIM_EXPORT bool
-mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box);
+/** \brief Whether a camera may see something of a box in world coordinates; errs on the visible
+ * side. */
+PCL_SLIM_EXPORT bool mayBeSeen(const Camera& camera,
+                               const std::array<std::array<double, 3>, 2>& box);
 
 /** \brief Directions in which a camera looks: from the object to the viewer, and upwards. */
 struct ViewDirection {
@@ -48,19 +49,20 @@ struct ViewDirection {
 
 /** \brief A perspective camera that sees every sphere of an object, as large as the picture allows.
  *
- * Spheres outside the bulk (beyond half its extent past the 5th and 95th percentile of the points, along
- * each axis) are not framed, so that neither a stray point nor the far end of a lidar's scan shrinks the
- * object to a dot; nor are separate pieces of less than 1 % of the points. An empty object gives a camera at one world unit from its origin. O(spheres).
+ * Spheres outside the bulk (beyond half its extent past the 5th and 95th percentile of the points,
+ * along each axis) are not framed, so that neither a stray point nor the far end of a lidar's scan
+ * shrinks the object to a dot; nor are separate pieces of less than 1 % of the points. An empty
+ * object gives a camera at one world unit from its origin. O(spheres).
  * \param[in] margin share of the picture left free on each side, [0, 0.4];
  * \param[in] right_margin additional share of its width left free on the right, [0, 0.4]: for a bar
  */
-PCL_SLIM_EXPORT Camera
-fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
-          double fov = 30.0, double margin = 0.04, double right_margin = 0.0);
+PCL_SLIM_EXPORT Camera fitCamera(const BoundingSpheres& object, const ViewDirection& direction,
+                                 const ImageSize& size, double fov = 30.0, double margin = 0.04,
+                                 double right_margin = 0.0);
 
 /** \brief The same for parallel projection. */
-PCL_SLIM_EXPORT Camera
-fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
-                      const ImageSize& size, double margin = 0.04, double right_margin = 0.0);
+PCL_SLIM_EXPORT Camera fitOrthographicCamera(const BoundingSpheres& object,
+                                             const ViewDirection& direction, const ImageSize& size,
+                                             double margin = 0.04, double right_margin = 0.0);
 
 }  // namespace pcl_slim

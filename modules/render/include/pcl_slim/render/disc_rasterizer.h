@@ -60,17 +60,15 @@ struct PCL_SLIM_EXPORT DiscRenderStatistics {
  * \return an error for columns of unequal length, values that are not finite, or a bad camera or
  * parameter; the buffer is then empty.
  */
-PCL_SLIM_EXPORT Error
-renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
-            GBuffer& buffer, DiscRenderStatistics* statistics = nullptr);
+PCL_SLIM_EXPORT Error renderDiscs(const SplatSet& splats, const Camera& camera,
+                                  const DiscRenderParams& params, GBuffer& buffer,
+                                  DiscRenderStatistics* statistics = nullptr);
 
 /** \brief The discs whose centres are in all of some half spaces, in their order. O(discs). */
-PCL_SLIM_EXPORT SplatSet
-splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts);
+PCL_SLIM_EXPORT SplatSet splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts);
 
 /** \brief Names the first defect of a set of discs: columns of unequal length, a value that is not
  * finite, a negative radius. O(discs). */
-PCL_SLIM_EXPORT Error
-validateDiscs(const SplatSet& splats);
+PCL_SLIM_EXPORT Error validateDiscs(const SplatSet& splats);
 
 }  // namespace pcl_slim

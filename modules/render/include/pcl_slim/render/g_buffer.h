@@ -55,14 +55,14 @@ struct PCL_SLIM_EXPORT GBuffer {
       color;  ///< sRGB in [0, 1]; of discs and, if requested, of coloured surfaces; else empty
 
   /** \brief Sets the size and marks every pixel as met by nothing.
-   * \param[in] columns GBufferColumn bits: columns in addition to depth, normal, surfel, back_face */
+   * \param[in] columns GBufferColumn bits: columns in addition to depth, normal, surfel, back_face
+   */
   void resize(int new_width, int new_height, unsigned columns = kAllColumns);
   /** \brief Sets the size only: the caller writes every pixel of every column. */
   void reserve(int new_width, int new_height, unsigned columns);
 
   std::size_t numPixels() const { return depth.size(); }
-  std::size_t index(int x, int y) const
-  {
+  std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(x);
   }

@@ -44,8 +44,7 @@ struct PCL_SLIM_EXPORT PictureLineParams {
 };
 
 /** \brief Columns of a G-buffer that findPictureLines() reads. */
-PCL_SLIM_EXPORT unsigned
-pictureLineColumns(const PictureLineParams& params);
+PCL_SLIM_EXPORT unsigned pictureLineColumns(const PictureLineParams& params);
 
 /** \brief Finds lines in what a camera sees of a surface.
  *
@@ -59,9 +58,10 @@ pictureLineColumns(const PictureLineParams& params);
  * \param[in] buffer what camera saw, with pictureLineColumns(); \param[in] surface what it shows
  * \return an error for bad parameters, or a buffer that lacks columns or has another size.
  */
-PCL_SLIM_EXPORT Result<std::vector<PictureLine>>
-findPictureLines(const GBuffer& buffer, const Camera& camera, const SLIMSurface& surface,
-                 const PictureLineParams& params);
+PCL_SLIM_EXPORT Result<std::vector<PictureLine>> findPictureLines(const GBuffer& buffer,
+                                                                  const Camera& camera,
+                                                                  const SLIMSurface& surface,
+                                                                  const PictureLineParams& params);
 
 /** \brief A polyline in world coordinates, as crest lines of pcl_slim/features are. */
 struct SpaceLine {
@@ -71,9 +71,11 @@ struct SpaceLine {
 
 /** \brief The visible parts of lines in space.
  * \param[in] tolerance a line this far behind the picture's depth is still seen [L] */
-PCL_SLIM_EXPORT Result<std::vector<PictureLine>>
-projectLines(const std::vector<SpaceLine>& lines, const GBuffer& buffer, const Camera& camera,
-             const SLIMSurface& surface, double tolerance = 0.005);
+PCL_SLIM_EXPORT Result<std::vector<PictureLine>> projectLines(const std::vector<SpaceLine>& lines,
+                                                              const GBuffer& buffer,
+                                                              const Camera& camera,
+                                                              const SLIMSurface& surface,
+                                                              double tolerance = 0.005);
 
 /** \brief How lines are drawn. */
 struct LineStyle {
@@ -86,14 +88,13 @@ struct LineStyle {
 
 /** \brief Draws lines over a picture, anti-aliased; weaker ones are finer, down to .4 of the width,
  * and crossings are no darker than their lines. O(length * width). */
-PCL_SLIM_EXPORT Error
-drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image);
+PCL_SLIM_EXPORT Error drawLines(const std::vector<PictureLine>& lines, const LineStyle& style,
+                                Image& image);
 
 /** \brief The same lines on a transparent picture, to draw over another one.
  * \param[out] rgba sRGB and how much of the pixel lines cover, four bytes a pixel, rows from the
  * top; drawn over a picture in linear light it gives what the other function draws */
-PCL_SLIM_EXPORT Error
-drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
-          std::vector<std::uint8_t>& rgba);
+PCL_SLIM_EXPORT Error drawLines(const std::vector<PictureLine>& lines, const LineStyle& style,
+                                const ImageSize& size, std::vector<std::uint8_t>& rgba);
 
 }  // namespace pcl_slim

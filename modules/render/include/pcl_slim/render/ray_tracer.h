@@ -30,12 +30,12 @@ struct RayLight {
 struct PCL_SLIM_EXPORT TraceParams {
   VisibleSides sides = VisibleSides::kAuto;  ///< as the rasterisers': kAuto of discs is both
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
-  /** As RenderParams::cuts, for rays of every kind: what is cut away casts no shadow. Discs that cross
-   * a half space's plane are met in it. */
+  /** As RenderParams::cuts, for rays of every kind: what is cut away casts no shadow. Discs that
+   * cross a half space's plane are met in it. */
   std::vector<HalfSpace> cuts;
-  /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend of the leaves around, if these
-   * are on all sides, have similar normals and face it. false: such gaps are open, as they
-   * are to a rasteriser without RenderParams::close_gaps. */
+  /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend
+   * of the leaves around, if these are on all sides, have similar normals and face it. false: such
+   * gaps are open, as they are to a rasteriser without RenderParams::close_gaps. */
   bool close_gaps = true;
   bool filtered = true;            ///< of discs, as DiscRenderParams::filtered
   double depth_tolerance = 0.5;    ///< of discs, as DiscRenderParams::depth_tolerance
@@ -53,7 +53,6 @@ struct PCL_SLIM_EXPORT TraceParams {
 /** \brief How light comes to the points of a G-buffer. */
 struct LightBuffer {
   std::vector<float> visible;  ///< 1: light l reaches pixel i; at l * pixels + i. 0 also where the
-                               ///< point is turned away from the light or there is none
   std::vector<float> open;     ///< share of the occlusion rays that met nothing; 1 without any
 };
 
@@ -98,17 +97,17 @@ struct PCL_SLIM_EXPORT WorldHit {
 /** \brief Follows rays through a surface or coloured discs: what they meet, and what is between
  * a point and the light.
  *
- * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf inside
- * its ball shrunk by alpha; the blend of the leaves whose ball contains q^ is the hit (eqs. 6, 7), if it is
- * covered or in a gap between leaves; else the ray continues behind it. Gaps between shrunk balls are
- * closed (TraceParams::close_gaps). Discs are blended as
- * renderDiscs() blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to
- * the surface, from either side of it, so that shadows end where silhouettes do. It starts a little
- * above its point, by what leaves that meet there may disagree, and sees the inner side of an oriented
- * surface only from a leaf's radius on: neighbouring leaves cast no shadow on each other.
+ * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf
+ * inside its ball shrunk by alpha; the blend of the leaves whose ball contains q^ is the hit (eqs.
+ * 6, 7), if it is covered or in a gap between leaves; else the ray continues behind it. Gaps
+ * between shrunk balls are closed (TraceParams::close_gaps). Discs are blended as renderDiscs()
+ * blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to the
+ * surface, from either side of it, so that shadows end where silhouettes do. It starts a little
+ * above its point, by what leaves that meet there may disagree, and sees the inner side of an
+ * oriented surface only from a leaf's radius on: neighbouring leaves cast no shadow on each other.
  *
- * The leaves are in a tree of eight boxes a node, and in blocks of eight that are intersected in parallel
- * in single precision, each block in local coordinates.
+ * The leaves are in a tree of eight boxes a node, and in blocks of eight that are intersected in
+ * parallel in single precision, each block in local coordinates.
  *
  * Results are the same for any number of threads. One frame at a time.
  */
@@ -129,8 +128,8 @@ class PCL_SLIM_EXPORT RayTracer {
   /** \brief World units per local unit of the G-buffers. */
   double scale() const;
 
-  /** \brief Traces one frame: a ray a pixel, and from where it meets the object one to each light that
-   * the point faces and occlusion_rays to the open side. Cost: O(rays log leaves).
+  /** \brief Traces one frame: a ray a pixel, and from where it meets the object one to each light
+   * that the point faces and occlusion_rays to the open side. Cost: O(rays log leaves).
    * \param[out] buffer as SurfaceRenderer's or renderDiscs' \param[out] light of the same size
    * \param[in] progress reported and polled for cancellation now and then; may be null
    * \return an error for a bad object, camera or parameter, or cancellation; both buffers are then
@@ -138,8 +137,8 @@ class PCL_SLIM_EXPORT RayTracer {
   Error trace(const Camera& camera, const TraceParams& params, GBuffer& buffer, LightBuffer& light,
               TraceStatistics* statistics = nullptr, Progress* progress = nullptr);
 
-  /** \brief What each of some rays meets first. Discs are not widened to pixels, which rays without a
-   * camera lack. \return an error for a bad object or ray; hits is then empty. */
+  /** \brief What each of some rays meets first. Discs are not widened to pixels, which rays without
+   * a camera lack. \return an error for a bad object or ray; hits is then empty. */
   Error cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vector<WorldHit>& hits,
              int threads = 0) const;
 

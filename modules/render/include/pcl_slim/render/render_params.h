@@ -33,16 +33,16 @@ struct PCL_SLIM_EXPORT RenderParams {
   bool trim = true;         ///< end open surfaces, and open holes, by their trim maps
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   double lod = 0.0;         ///< surfels of this projected diameter in pixels, or an error of a
-                            ///< sixteenth, replace their descendants; 0: every leaf is drawn
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
-  /** Rays that slip between shrunk balls where most pixels about theirs meet the surface are traced again, as
-   * with TraceParams::close_gaps. A frame with lod, cuts, shrink, min_coverage or without trim has open gaps. */
+  /** Rays that slip between shrunk balls where most pixels about theirs meet the surface are traced
+   * again, as with TraceParams::close_gaps. A frame with lod, cuts, shrink, min_coverage or without
+   * trim has open gaps. */
   bool close_gaps = false;
   bool skip = true;  ///< leave out work that cannot change the result
   int threads = 0;   ///< 0: all cores; never changes the result
   /** Only what is in all of these half spaces is met: the surface is cut open, and with kAuto both
-   * of its sides are drawn. Balls that are completely outside are left out with their nodes, so that
-   * a part of a large surface costs what it shows. */
+   * of its sides are drawn. Balls that are completely outside are left out with their nodes, so
+   * that a part of a large surface costs what it shows. */
   std::vector<HalfSpace> cuts;
 
   /** \brief Names the first parameter out of range. */

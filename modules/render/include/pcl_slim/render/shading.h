@@ -34,8 +34,7 @@ enum class ShadingMode : unsigned char {
 };
 
 /** \brief The name of a mode, as shadingModeOf() takes it. */
-PCL_SLIM_EXPORT std::string
-nameOf(ShadingMode mode);
+PCL_SLIM_EXPORT std::string nameOf(ShadingMode mode);
 
 /** \brief Colours of a mode that shows numbers. */
 enum class ColorMap : unsigned char {
@@ -45,8 +44,7 @@ enum class ColorMap : unsigned char {
 };
 
 /** \brief The mode of a name such as "shaded", or nothing. */
-PCL_SLIM_EXPORT std::optional<ShadingMode>
-shadingModeOf(const std::string& name);
+PCL_SLIM_EXPORT std::optional<ShadingMode> shadingModeOf(const std::string& name);
 
 /** \brief Parameters of shade() and renderPicture(). */
 struct PCL_SLIM_EXPORT ShadingParams {
@@ -73,61 +71,60 @@ struct ShadingRange {
 };
 
 /** \brief Whether a mode shows numbers: curvatures, sizes and residuals do. */
-PCL_SLIM_EXPORT bool
-showsNumbers(ShadingMode mode);
+PCL_SLIM_EXPORT bool showsNumbers(ShadingMode mode);
 
 /** \brief Whether a mode has a colour bar: those that show numbers, and levels. */
-PCL_SLIM_EXPORT bool
-hasColorBar(ShadingMode mode);
+PCL_SLIM_EXPORT bool hasColorBar(ShadingMode mode);
 
 /** \brief The given range, or a robust one of a G-buffer; of levels half a level past those it
  * shows. O(covered pixels).
  * \param[in] scale world units per local unit, as SurfaceInfo::scale */
-PCL_SLIM_EXPORT ShadingRange
-rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale);
+PCL_SLIM_EXPORT ShadingRange rangeOf(const GBuffer& buffer, const ShadingParams& params,
+                                     double scale);
 
 /** \brief GBufferColumn bits that a picture needs. */
-PCL_SLIM_EXPORT unsigned
-columnsFor(const ShadingParams& params);
+PCL_SLIM_EXPORT unsigned columnsFor(const ShadingParams& params);
 
 /** \brief Share of a picture's width that its colour bar takes up at the right; 0 where there is no
  * room for one. */
-PCL_SLIM_EXPORT double
-colorBarShare(const ImageSize& size);
+PCL_SLIM_EXPORT double colorBarShare(const ImageSize& size);
 
 /** \brief Draws a range, its numbers and its unit into the right margin of a picture. */
-PCL_SLIM_EXPORT void
-addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image);
+PCL_SLIM_EXPORT void addColorBar(const ShadingParams& params, const ShadingRange& range,
+                                 Image& image);
 
 /** \brief Shades a G-buffer to linear light, one colour a pixel, background included.
  * \param[in] scale world units per local unit, as SurfaceInfo::scale */
-PCL_SLIM_EXPORT std::vector<Color>
-shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
-            const ShadingRange& range, double scale = 1.0);
+PCL_SLIM_EXPORT std::vector<Color> shadeLinear(const GBuffer& buffer, const Camera& camera,
+                                               const ShadingParams& params,
+                                               const ShadingRange& range, double scale = 1.0);
 
 /** \brief Shades a G-buffer to a picture. Its size must be the camera's; kColor needs a buffer with
  * colours. */
-PCL_SLIM_EXPORT Result<Image>
-shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, double scale = 1.0);
+PCL_SLIM_EXPORT Result<Image> shade(const GBuffer& buffer, const Camera& camera,
+                                    const ShadingParams& params, double scale = 1.0);
 
 /** \brief A finished picture: supersampling^2 shifted renderings, averaged in linear light.
  *
  * Memory is that of one G-buffer, whatever the supersampling. Same bytes for any thread count.
  * kColor is refused where the surface has no colours.
  */
-PCL_SLIM_EXPORT Result<Image>
-renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,
-              const ShadingParams& shading_params, RenderStatistics* statistics = nullptr);
+PCL_SLIM_EXPORT Result<Image> renderPicture(const SLIMSurface& surface, const Camera& camera,
+                                            const RenderParams& render_params,
+                                            const ShadingParams& shading_params,
+                                            RenderStatistics* statistics = nullptr);
 
 /** \brief The same with a renderer that is kept; columns are chosen by the mode. */
-PCL_SLIM_EXPORT Result<Image>
-renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& render_params,
-              const ShadingParams& shading_params, RenderStatistics* statistics = nullptr);
+PCL_SLIM_EXPORT Result<Image> renderPicture(SurfaceRenderer& renderer, const Camera& camera,
+                                            const RenderParams& render_params,
+                                            const ShadingParams& shading_params,
+                                            RenderStatistics* statistics = nullptr);
 
 /** \brief The same of coloured discs. Curvatures, levels and residuals are refused: discs have
  * none. */
-PCL_SLIM_EXPORT Result<Image>
-renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderParams& render_params,
-              const ShadingParams& shading_params, DiscRenderStatistics* statistics = nullptr);
+PCL_SLIM_EXPORT Result<Image> renderPicture(const SplatSet& splats, const Camera& camera,
+                                            const DiscRenderParams& render_params,
+                                            const ShadingParams& shading_params,
+                                            DiscRenderStatistics* statistics = nullptr);
 
 }  // namespace pcl_slim

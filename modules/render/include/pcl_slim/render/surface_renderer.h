@@ -15,10 +15,10 @@ namespace pcl_slim {
 /** \brief Renders a SLIM surface into G-buffers by blending its leaves along view rays.
  *
  * Ohtake, Belyaev, Alexa 2005, section 3: pass 1 finds q^, the first intersection of a ray inside
- * any leaf's ball shrunk by alpha; pass 2 gathers the leaves whose ball contains q^ and blends, at each
- * one's root nearest to q^, position (eq. 6), gradient (eq. 7) and Hessian (eq. 8, left). Two guards
- * keep leaves of other sheets out: the weight is taken at the larger of |q^ - c| and |q - c|, and a
- * leaf whose own surface passes q^ by more than r/4 does not count.
+ * any leaf's ball shrunk by alpha; pass 2 gathers the leaves whose ball contains q^ and blends, at
+ * each one's root nearest to q^, position (eq. 6), gradient (eq. 7) and Hessian (eq. 8, left). Two
+ * guards keep leaves of other sheets out: the weight is taken at the larger of |q^ - c| and |q -
+ * c|, and a leaf whose own surface passes q^ by more than r/4 does not count.
  *
  * Where the blend's coverage (sum of G(|q - c| / (alpha r))) is below the surface's threshold and
  * the leaves are not all around q, the surface is not defined: leaves reach beyond the rim of
@@ -52,8 +52,8 @@ class PCL_SLIM_EXPORT SurfaceRenderer {
   /** \brief Traces what RenderParams::close_gaps closes in a frame that something else drew.
    * Nothing is filled in a frame with a level of detail, with cuts or without trim maps.
    * O(pixels + traced rays).
-   * \param[in,out] buffer of the camera's size with the columns of params and positions. Before: surfel
-   * is not kNothing where the frame met something. After: only filled pixels are covered.
+   * \param[in,out] buffer of the camera's size with the columns of params and positions. Before:
+   * surfel is not kNothing where the frame met something. After: only filled pixels are covered.
    * \return an error for a bad surface, camera, parameter or size; the buffer is then empty. */
   Error closeGaps(const Camera& camera, const RenderParams& params, GBuffer& buffer);
 
@@ -65,8 +65,8 @@ class PCL_SLIM_EXPORT SurfaceRenderer {
 };
 
 /** \brief One frame without a renderer to keep. O(surfels log surfels) more than a frame. */
-PCL_SLIM_EXPORT Error
-renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
-              GBuffer& buffer, RenderStatistics* statistics = nullptr);
+PCL_SLIM_EXPORT Error renderSurface(const SLIMSurface& surface, const Camera& camera,
+                                    const RenderParams& params, GBuffer& buffer,
+                                    RenderStatistics* statistics = nullptr);
 
 }  // namespace pcl_slim

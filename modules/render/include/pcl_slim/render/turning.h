@@ -15,13 +15,12 @@ namespace pcl_slim {
  * empty object is returned as it is. O(spheres).
  * \param[in] axis any length but 0
  */
-PCL_SLIM_EXPORT BoundingSpheres
-sweptAbout(const BoundingSpheres& object, const std::array<double, 3>& axis);
+PCL_SLIM_EXPORT BoundingSpheres sweptAbout(const BoundingSpheres& object,
+                                           const std::array<double, 3>& axis);
 
 /** \brief A camera turned by turn / count of a full circle about an axis through a point in world
  * coordinates; to the right where the axis points upwards. Turn 0 is the camera itself. */
-PCL_SLIM_EXPORT Camera
-turnedCamera(const Camera& camera, const std::array<double, 3>& pivot,
-             const std::array<double, 3>& axis, int turn, int count);
+PCL_SLIM_EXPORT Camera turnedCamera(const Camera& camera, const std::array<double, 3>& pivot,
+                                    const std::array<double, 3>& axis, int turn, int count);
 
 }  // namespace pcl_slim

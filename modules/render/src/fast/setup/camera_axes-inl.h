@@ -21,19 +21,14 @@ struct Axes {
   explicit Axes(const FrameView& view)
       : right(tripleOf<Vec>(view.right)),
         up(tripleOf<Vec>(view.up)),
-        forward(tripleOf<Vec>(view.forward))
-  {
-  }
-  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const
-  {
+        forward(tripleOf<Vec>(view.forward)) {}
+  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const {
     return {dot3(p, right), dot3(p, up), dot3(p, forward)};
   }
 };
 
 /** World positions from the camera's, without loss where the camera is far from the origin. */
-HWY_INLINE Triple<Vec>
-fromEye(const FrameView& view, Vec x, Vec y, Vec z)
-{
+HWY_INLINE Triple<Vec> fromEye(const FrameView& view, Vec x, Vec y, Vec z) {
   const Triple<Vec> eye = tripleOf<Vec>(view.eye), rest = tripleOf<Vec>(view.eye_rest);
   return {x - eye.x - rest.x, y - eye.y - rest.y, z - eye.z - rest.z};
 }

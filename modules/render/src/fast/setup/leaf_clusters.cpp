@@ -17,8 +17,7 @@ namespace {
 struct Seen {
   double x, y, z, distance_sq;
 
-  Seen(const FrameView& view, const float point[3])
-  {
+  Seen(const FrameView& view, const float point[3]) {
     double p[3];
     for (int a = 0; a < 3; ++a) p[a] = double{point[a]} - view.eye[a] - view.eye_rest[a];
     x = p[0] * view.right[0] + p[1] * view.right[1] + p[2] * view.right[2];
@@ -29,15 +28,11 @@ struct Seen {
 };
 
 /** \brief True if a ball at coordinate x, depth z is beyond the side of the picture at slope t. */
-bool
-beyond(bool perspective, double x, double z, double t, double radius)
-{
+bool beyond(bool perspective, double x, double z, double t, double radius) {
   return perspective ? x - t * z > radius * std::sqrt(1.0 + t * t) : x - t > radius;
 }
 
-bool
-outsideFrustum(const FrameView& view, const Seen& p, double radius)
-{
+bool outsideFrustum(const FrameView& view, const Seen& p, double radius) {
   if (p.z + radius <= 0.0) return true;
   // Half a pixel on top of the outermost rays keeps rounding out of it.
   const double right = (view.width - 0.5 - view.center_x) * view.pixel;
@@ -51,16 +46,12 @@ outsideFrustum(const FrameView& view, const Seen& p, double radius)
 }
 
 /** \brief Angle between a unit vector and a vector of a length. */
-double
-angleTo(const float axis[3], const Vector3& direction)
-{
+double angleTo(const float axis[3], const Vector3& direction) {
   const double cosine = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-bool
-turnedAway(const FrameView& view, const Seen& p, const LeafCluster& cluster)
-{
+bool turnedAway(const FrameView& view, const Seen& p, const LeafCluster& cluster) {
   constexpr double kMargin = 1e-3;  // radians, above any rounding here
   const double distance = std::sqrt(p.distance_sq);
   Vector3 direction{view.forward[0], view.forward[1], view.forward[2]};
@@ -76,9 +67,8 @@ turnedAway(const FrameView& view, const Seen& p, const LeafCluster& cluster)
 }
 
 /** \brief Whether balls whose gradients are in a cone may be seen. Errs on the visible side. */
-Visibility
-visibilityOf(const FrameView& view, const LeafCluster& cluster, const VisibilityRules& rules)
-{
+Visibility visibilityOf(const FrameView& view, const LeafCluster& cluster,
+                        const VisibilityRules& rules) {
   const Seen p(view, cluster.center);
   if (outsideFrustum(view, p, cluster.radius)) return Visibility::kOutside;
   if (isCutAway(rules.cuts, {cluster.center[0], cluster.center[1], cluster.center[2]},
@@ -98,8 +88,7 @@ visibilityOf(const FrameView& view, const LeafCluster& cluster, const Visibility
 
 }  // namespace
 
-LeafClusters::LeafClusters(const SLIMSurface& surface, int threads, ClusteredSurfels which)
-{
+LeafClusters::LeafClusters(const SLIMSurface& surface, int threads, ClusteredSurfels which) {
   std::vector<std::uint32_t> leaves;
   std::vector<std::vector<std::uint32_t>> levels(256);
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
@@ -121,10 +110,8 @@ LeafClusters::LeafClusters(const SLIMSurface& surface, int threads, ClusteredSur
   }
 }
 
-void
-LeafClusters::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels,
-                          int threads)
-{
+void LeafClusters::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels,
+                               int threads) {
   AlignedVector<std::uint64_t> keys;
   keys.reserve(surfels.size());
   for (const std::uint32_t i : surfels) {
@@ -135,9 +122,7 @@ LeafClusters::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t>
   for (const std::uint32_t i : order) surfel.push_back(surfels[i]);
 }
 
-void
-LeafClusters::fillSizes(const SLIMSurface& surface)
-{
+void LeafClusters::fillSizes(const SLIMSurface& surface) {
   const DetailSizes sizes(surface);
   own_size.assign(x.size(), 0.0f);
   parent_size.assign(x.size(), DetailSizes::kNoParent);
@@ -147,9 +132,7 @@ LeafClusters::fillSizes(const SLIMSurface& surface)
   }
 }
 
-void
-LeafClusters::fillColumns(const SLIMSurface& surface)
-{
+void LeafClusters::fillColumns(const SLIMSurface& surface) {
   const std::size_t padded = (size() + kClusterSize - 1) / kClusterSize * kClusterSize;
   for (auto* column : {&x, &y, &z, &radius, &nx, &ny, &nz, &sine, &variance_weight}) {
     column->assign(padded, 0.0f);
@@ -168,9 +151,7 @@ LeafClusters::fillColumns(const SLIMSurface& surface)
   }
 }
 
-LeafCluster
-LeafClusters::enclose(std::uint32_t begin, std::uint32_t end) const
-{
+LeafCluster LeafClusters::enclose(std::uint32_t begin, std::uint32_t end) const {
   LeafCluster cluster{};
   cluster.begin = begin;
   cluster.end = end;
@@ -199,10 +180,8 @@ LeafClusters::enclose(std::uint32_t begin, std::uint32_t end) const
   return cluster;
 }
 
-void
-LeafClusters::findVisible(const FrameView& view, const VisibilityRules& rules,
-                          std::vector<std::uint32_t>& visible, std::uint64_t* hidden) const
-{
+void LeafClusters::findVisible(const FrameView& view, const VisibilityRules& rules,
+                               std::vector<std::uint32_t>& visible, std::uint64_t* hidden) const {
   for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
     const Visibility visibility = visibilityOf(view, clusters_[c], rules);
     if (visibility == Visibility::kVisible)

@@ -15,17 +15,13 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /** Lanes whose ball is beyond one side of the picture. */
-HWY_INLINE Mask
-beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
-{
+HWY_INLINE Mask beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius) {
   if (!perspective) return x - set(side) > radius;
   const Vec stretch = set(__builtin_sqrtf(1.0f + side * side));
   return NegMulAdd(set(side), z, x) > radius * stretch;
 }
 
-HWY_INLINE Mask
-outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius)
-{
+HWY_INLINE Mask outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius) {
   const Tag d;
   const float right = (static_cast<float>(view.width) - 0.4f - view.center_x) * view.pixel;
   const float left = (view.center_x + 0.6f) * view.pixel;
@@ -40,9 +36,7 @@ outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius)
 }
 
 /** Lanes whose ball is completely outside of a half space, local coordinates. */
-HWY_INLINE Mask
-outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius)
-{
+HWY_INLINE Mask outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius) {
   constexpr float kSlack = 1e-6f;  // of the box: floats round
   const auto n = [&](std::size_t a) HWY_ATTR { return set(static_cast<float>(cut.normal[a])); };
   const Vec along = MulAdd(n(0), p.x, MulAdd(n(1), p.y, n(2) * p.z));
@@ -51,10 +45,8 @@ outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius)
 
 /** Lanes all of whose gradients point away from every ray through the ball: the angle between
  * normal and ray is less than what the cones of gradients and of rays leave of a right angle. */
-HWY_INLINE Mask
-turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& normal, Vec radius,
-           Vec sine)
-{
+HWY_INLINE Mask turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& normal,
+                           Vec radius, Vec sine) {
   const Tag d;
   const Vec one = set(1.0f), margin = set(1e-3f);
   if (!view.perspective) return normal.z > sine + margin;
@@ -67,11 +59,9 @@ turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& norma
   return And(acute, dot3(normal, p) > needed + slack);
 }
 
-/** The share with which surfels of a size (DetailSizes) at a depth replace their descendants: 1 where they are seen
- * smaller than the level of detail, 0 where they are larger by kFade. */
-HWY_INLINE Vec
-coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z)
-{
+/** The share with which surfels of a size (DetailSizes) at a depth replace their descendants: 1
+ * where they are seen smaller than the level of detail, 0 where they are larger by kFade. */
+HWY_INLINE Vec coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z) {
   const Tag d;
   const Vec zero = Zero(d), one = set(1.0f);
   const Vec lod = set(0.5f * rule.lod * view.pixel) * (view.perspective ? z : one);
@@ -86,8 +76,7 @@ coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z)
 /** Lanes' reasons not to be drawn, kVisible if there is none; the first given counts. */
 class Reasons {
  public:
-  HWY_INLINE void add(Mask lanes, Visibility reason)
-  {
+  HWY_INLINE void add(Mask lanes, Visibility reason) {
     HWY_ALIGN std::uint8_t bits[8] = {};
     StoreMaskBits(Tag(), lanes, bits);
     for (std::size_t k = 0; k < hn::Lanes(Tag()); ++k) {
@@ -101,11 +90,9 @@ class Reasons {
   Visibility of_[16] = {};
 };
 
-void
-cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
-           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
-           float* shares)
-{
+void cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+                const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+                float* shares) {
   const Tag d;
   const Axes axes(view);
   for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
@@ -146,11 +133,9 @@ namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(cullLeaves);
 
-void
-cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
-           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
-           float* shares)
-{
+void cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+                const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+                float* shares) {
   HWY_DYNAMIC_DISPATCH(cullLeaves)(leaves, begin, end, view, rules, visibility, shares);
 }
 

@@ -25,8 +25,7 @@ struct FormNorms {
   Vec n[3];
 
   template <typename Coefficient>
-  HWY_INLINE FormNorms(int degree, const Coefficient& c)
-  {
+  HWY_INLINE FormNorms(int degree, const Coefficient& c) {
     constexpr float kShares[3][5] = {{1.0f, 1.0f / 2.0f, 1.0f},
                                      {1.0f, 1.0f / 3.0f, 1.0f / 3.0f, 1.0f},
                                      {1.0f, 1.0f / 4.0f, 1.0f / 6.0f, 1.0f / 4.0f, 1.0f}};
@@ -42,8 +41,7 @@ struct FormNorms {
   }
 
   /** Bound on |h - its tangent plane at the centre| over a disc. */
-  HWY_INLINE Vec bend(float rho) const
-  {
+  HWY_INLINE Vec bend(float rho) const {
     const Vec high = MulAdd(set(rho), n[2], n[1]);
     return set(rho * rho) * MulAdd(set(rho), high, n[0]);
   }
@@ -65,10 +63,8 @@ struct Strip {
 /** The strip that contains the picture of a leaf's own surface inside the ball of a share of the
  * radius: across the surface's normal in the picture a slanting leaf is narrow.
  * \param[in] u,v,w the frame's axes as they move in the picture: (a_x - x_c a_z, a_y - y_c a_z) */
-HWY_INLINE Strip
-stripOf(const Vec u[2], const Vec v[2], const Vec w[2], const CentreRay& ray,
-        const FormNorms& norms, Vec per_pixel, float rho)
-{
+HWY_INLINE Strip stripOf(const Vec u[2], const Vec v[2], const Vec w[2], const CentreRay& ray,
+                         const FormNorms& norms, Vec per_pixel, float rho) {
   const Vec one = set(1.0f), share = set(rho);
   const Vec length = Sqrt(MulAdd(w[0], w[0], w[1] * w[1]));
   const Vec inverse = one / Max(length, set(1e-6f));
@@ -94,8 +90,7 @@ class RayForm {
   using Axis = std::array<Vec, 3>;
 
   RayForm(const Axis& u, const Axis& v, const Axis& w, Vec xc, Vec yc, Vec eps)
-      : u_(u), v_(v), w_(w), eps_(eps)
-  {
+      : u_(u), v_(v), w_(w), eps_(eps) {
     uc_ = slope(u, xc, yc);
     vc_ = slope(v, xc, yc);
     wc_ = slope(w, xc, yc);
@@ -103,8 +98,7 @@ class RayForm {
 
   /** \param[in] c coefficient k of the height polynomial. */
   template <typename Coefficient>
-  HWY_INLINE void build(const Coefficient& c)
-  {
+  HWY_INLINE void build(const Coefficient& c) {
     // f = w - c0 - c1 u - c2 v - ..., times m: every point of the ball divides by m once.
     const Vec c0 = c(0), c1 = c(1), c2 = c(2);
     a_[0][0] = Neg(c0);
@@ -118,8 +112,7 @@ class RayForm {
   }
 
   /** The k-th coefficient, A_0's first. */
-  HWY_INLINE Vec coefficient(int k) const
-  {
+  HWY_INLINE Vec coefficient(int k) const {
     int i = 0;
     for (int n = numCoefficients(D); k >= n; n = numCoefficients(D - i)) {
       k -= n;
@@ -129,15 +122,13 @@ class RayForm {
   }
 
  private:
-  HWY_INLINE Vec slope(const Axis& a, Vec xc, Vec yc) const
-  {
+  HWY_INLINE Vec slope(const Axis& a, Vec xc, Vec yc) const {
     return MulAdd(a[0], xc, MulAdd(a[1], yc, a[2]));
   }
 
   /** Raises the degree to N: F <- (1 - eps sigma) F. */
   template <int N>
-  HWY_INLINE void multiplyByM()
-  {
+  HWY_INLINE void multiplyByM() {
     // From the highest power down, so that each step reads what is still unchanged.
     for (int i = N; i >= 0; --i) {
       const int old = i <= N - 1 ? numCoefficients(N - 1 - i) : 0;
@@ -151,8 +142,7 @@ class RayForm {
 
   /** F <- F - h_N(U, V), the form of degree N, by its polar forms. */
   template <int N, typename Coefficient>
-  HWY_INLINE void subtractForm(const Coefficient& c)
-  {
+  HWY_INLINE void subtractForm(const Coefficient& c) {
     Vec g[N + 1];
     for (int j = 0; j <= N; ++j) g[j] = c(numCoefficients(N - 1) + j);
     unrolled<N + 1>([&](auto step) HWY_ATTR {
@@ -171,8 +161,7 @@ class RayForm {
 
   /** Subtracts the form g of degree E in (u_x X + u_y Y, v_x X + v_y Y) from target. */
   template <int E>
-  HWY_INLINE void subtractTurned(const Vec* g, Vec* target) const
-  {
+  HWY_INLINE void subtractTurned(const Vec* g, Vec* target) const {
     constexpr int kFirst = E * (E + 1) / 2;
     Vec sum[E + 1], power[E + 1];
     sum[0] = g[0];
@@ -186,8 +175,7 @@ class RayForm {
   }
 
   /** p <- (a_x X + a_y Y) p for a form p of degree s - 1. */
-  HWY_INLINE void timesLine(const Axis& a, int s, Vec* p) const
-  {
+  HWY_INLINE void timesLine(const Axis& a, int s, Vec* p) const {
     p[s] = a[1] * p[s - 1];
     for (int j = s - 1; j > 0; --j) p[j] = MulAdd(a[0], p[j], a[1] * p[j - 1]);
     p[0] = a[0] * p[0];
@@ -207,9 +195,8 @@ struct Circle {
 
 /** Encloses the picture of balls of a share of the radius. The picture of a ball is an ellipse; its
  * centre is at tan of the mean of the angles at which the ball begins and ends. */
-HWY_INLINE Circle
-circleAround(const FrameView& view, const Triple<Vec>& p, Vec radius, float share)
-{
+HWY_INLINE Circle circleAround(const FrameView& view, const Triple<Vec>& p, Vec radius,
+                               float share) {
   const Vec rho = radius * set(share);
   const Vec to_pixel = set(1.0f / view.pixel);
   Vec x = p.x, y = p.y, reach = rho;
@@ -242,9 +229,7 @@ struct LeafAxes {
   Triple<Vec> u, v, w;
 
   LeafAxes(const Axes& axes, const FrameLanes<Vec>& frame)
-      : u(axes.turn(frame.u)), v(axes.turn(frame.v)), w(axes.turn(frame.w))
-  {
-  }
+      : u(axes.turn(frame.u)), v(axes.turn(frame.v)), w(axes.turn(frame.w)) {}
 };
 
 /** Everything but polynomials, as vectors. */
@@ -252,8 +237,7 @@ struct Heads {
   Vec pixel_x, pixel_y, per_pixel, eps, xc, yc, depth, inverse_depth;
   Vec radius, inverse_radius, beta, inverse_beta, nearest;
 
-  Heads(const FrameView& view, const Triple<Vec>& p, Vec r, float share)
-  {
+  Heads(const FrameView& view, const Triple<Vec>& p, Vec r, float share) {
     const Tag d;
     const Vec one = set(1.0f), zero = Zero(d), pixel = set(view.pixel);
     radius = r;
@@ -286,10 +270,8 @@ struct Heads {
 };
 
 /** The strip of a batch's surfaces in the ball of pass 1. */
-HWY_INLINE Strip
-stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormNorms& norms,
-        const BallShares& shares)
-{
+HWY_INLINE Strip stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray,
+                         const FormNorms& norms, const BallShares& shares) {
   const auto moves = [&](const Triple<Vec>& axis, Vec moved[2]) HWY_ATTR {
     moved[0] = NegMulAdd(h.xc, axis.z, axis.x);
     moved[1] = NegMulAdd(h.yc, axis.z, axis.y);
@@ -302,11 +284,9 @@ stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormN
 }
 
 /** Writes the members from x to strip_high of up to 16 records. */
-HWY_INLINE void
-writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, const Triple<Vec>& p,
-           const Heads& h, const LeafAxes& frame, const CentreRay& ray, const Strip& strip,
-           const BallShares& shares)
-{
+HWY_INLINE void writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view,
+                           const Triple<Vec>& p, const Heads& h, const LeafAxes& frame,
+                           const CentreRay& ray, const Strip& strip, const BallShares& shares) {
   constexpr std::size_t kCount = 35;
   static_assert(offsetof(FrameLeaf, inverse_cover_sq) == kCount * sizeof(float), "floats before");
   const Tag d;
@@ -340,10 +320,8 @@ writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, cons
 
 /** The derivatives that follow a record's form. */
 template <int D, typename Coefficient>
-HWY_INLINE void
-putDerivatives(const Heads& h, const LeafAxes& frame, const Coefficient& c, std::size_t k,
-               Outlet& out)
-{
+HWY_INLINE void putDerivatives(const Heads& h, const LeafAxes& frame, const Coefficient& c,
+                               std::size_t k, Outlet& out) {
   const auto times = [&](int factor, Vec v)
                          HWY_ATTR { return set(static_cast<float>(factor)) * v; };
   if constexpr (D == 2) {
@@ -377,9 +355,7 @@ putDerivatives(const Heads& h, const LeafAxes& frame, const Coefficient& c, std:
 }
 
 template <int D>
-void
-setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& shares)
-{
+void setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& shares) {
   constexpr int kFloats = FrameLeaf::formSize(D) + FrameLeaf::derivativeSize(D);
   const Tag d;
   const Axes axes(view);
@@ -416,9 +392,8 @@ setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& s
   }
 }
 
-void
-setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares)
-{
+void setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view,
+                 const BallShares& shares) {
   switch (degree) {
     case 2: return setUpOfDegree<2>(batch, view, shares);
     case 3: return setUpOfDegree<3>(batch, view, shares);
@@ -434,9 +409,8 @@ namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(setUpLeaves);
 
-void
-setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares)
-{
+void setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view,
+                 const BallShares& shares) {
   HWY_DYNAMIC_DISPATCH(setUpLeaves)(batch, degree, view, shares);
 }
 

@@ -25,7 +25,8 @@ namespace pcl_slim::detail {
  * so that F = m^n f / r, n the degree, is a polynomial of degree n in X, Y and sigma together. Its
  * coefficients follow the record: sum_i sigma^i A_i(X, Y) with A_i of degree n - i, A_0 first, each
  * in the order of height polynomials. Then follow, of a quadratic, the second derivatives of f
- * (camera's axes, Symmetric3's order), else the polynomials h_u, h_v, h_uu, h_uv, h_vv in that order.
+ * (camera's axes, Symmetric3's order), else the polynomials h_u, h_v, h_uu, h_uv, h_vv in that
+ * order.
  */
 struct FrameLeaf {
   float x, y;       ///< pixel of the centre
@@ -56,8 +57,7 @@ struct FrameLeaf {
   /** \brief Coefficients of F: 10, 20, 35 for degree 2, 3, 4. */
   static constexpr int formSize(int n) { return (n + 1) * (n + 2) * (n + 3) / 6; }
   /** \brief Floats of the derivatives. */
-  static constexpr int derivativeSize(int n)
-  {
+  static constexpr int derivativeSize(int n) {
     return n == 2 ? 6 : 2 * numCoefficients(n - 1) + 3 * numCoefficients(n - 2);
   }
 };
@@ -65,9 +65,7 @@ struct FrameLeaf {
 constexpr std::uint16_t kNearLeaf = 0;
 
 /** \brief Bytes from one record to the next for surfels of a degree: whole cache lines. */
-constexpr std::size_t
-leafStride(int degree)
-{
+constexpr std::size_t leafStride(int degree) {
   const int floats = FrameLeaf::formSize(degree) + FrameLeaf::derivativeSize(degree);
   const std::size_t bytes = sizeof(FrameLeaf) + sizeof(float) * static_cast<std::size_t>(floats);
   return (bytes + 63) / 64 * 64;
@@ -76,10 +74,10 @@ leafStride(int degree)
 /** \brief Which surfels of a hierarchy represent a surface in a picture, and with what share of
  * their weight (Ohtake, Belyaev, Alexa 2005, section 3.2).
  *
- * A surfel whose size (DetailSizes) is seen smaller than lod pixels replaces its descendants; from there
- * to one and a half times that size it fades out and they fade in, so that nothing pops when the camera
- * moves: its share is coarse(own size) (1 - coarse(size of its parent)). As sizes never grow from level
- * to level, older ancestors are then large enough to be out of it.
+ * A surfel whose size (DetailSizes) is seen smaller than lod pixels replaces its descendants; from
+ * there to one and a half times that size it fades out and they fade in, so that nothing pops when
+ * the camera moves: its share is coarse(own size) (1 - coarse(size of its parent)). As sizes never
+ * grow from level to level, older ancestors are then large enough to be out of it.
  */
 struct DetailRule {
   static constexpr auto kFade = static_cast<float>(kDetailFade);
@@ -124,11 +122,11 @@ struct VisibilityRules {
   const std::vector<HalfSpace>& cuts;  ///< local coordinates, unit normals
 };
 
-/** \brief A surface's leaves, or its internal surfels level by level, along a space-filling curve, in
- * clusters that a frame sees or leaves out as a whole.
+/** \brief A surface's leaves, or its internal surfels level by level, along a space-filling curve,
+ * in clusters that a frame sees or leaves out as a whole.
  *
- * There is no tree over the clusters: of a million leaves, looking at every one of them takes .2 ms.
- * Columns are padded to whole clusters. Built once per surface: O(surfels log surfels + links).
+ * There is no tree over the clusters: of a million leaves, looking at every one of them takes .2
+ * ms. Columns are padded to whole clusters. Built once per surface: O(surfels log surfels + links).
  */
 class LeafClusters {
  public:
@@ -184,15 +182,14 @@ namespace kernels {
 /** \brief Visibility of one cluster's surfels. Errs on the visible side.
  * \param[out] visibility by surfel
  * \param[out] shares of the weight, above 0 of every visible one; room for whole vectors */
-void
-cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
-           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
-           float* shares);
+void cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+                const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+                float* shares);
 
 /** \brief Writes the frame's records of a batch. Surfels too near to the camera for a polynomial
  * along its rays get kNearLeaf. \param[in] degree 2 to 4; missing coefficients are 0 */
-void
-setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares);
+void setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view,
+                 const BallShares& shares);
 
 }  // namespace kernels
 
@@ -206,13 +203,10 @@ struct BallShape {
 class BatchFiller {
  public:
   BatchFiller(const SLIMSurface& surface, const FrameView& view, const BallShares& shares)
-      : surface_(surface), view_(view), shares_(shares)
-  {
-  }
+      : surface_(surface), view_(view), shares_(shares) {}
 
   /** \param[in] weight factor of its blending weight */
-  void add(std::uint32_t s, float weight, const BallShape& shape, FrameLeaf* target)
-  {
+  void add(std::uint32_t s, float weight, const BallShape& shape, FrameLeaf* target) {
     const int degree = std::max<int>(2, surface_.degree[s]);
     LeafBatch& batch = batches_[degree - 2];
     const std::size_t lane = batch.count++;
@@ -236,14 +230,12 @@ class BatchFiller {
     if (batch.count == LeafBatch::kSize) flush(degree);
   }
 
-  void flushAll()
-  {
+  void flushAll() {
     for (int degree = 2; degree <= kMaxDegree; ++degree) flush(degree);
   }
 
  private:
-  void flush(int degree)
-  {
+  void flush(int degree) {
     LeafBatch& batch = batches_[degree - 2];
     if (batch.count == 0) return;
     // Lanes to spare repeat the first one: any surfel will do, but numbers must be there.

@@ -33,8 +33,8 @@ class PointSource {
   /** \brief Whether points are numbered by frames, which a fit by tiles refuses. */
   virtual bool hasFrameNumbers() const { return false; }
 
-  /** \brief Reads the points from the first to the last. \return an error of the visitor, or of a file
-   * that cannot be read or has become shorter. */
+  /** \brief Reads the points from the first to the last. \return an error of the visitor, or of a
+   * file that cannot be read or has become shorter. */
   virtual Error pass(const Visit& visit) = 0;
 };
 

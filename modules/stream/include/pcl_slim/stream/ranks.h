@@ -8,8 +8,8 @@
 
 namespace pcl_slim {
 
-/** \brief Processes that fit one cloud together, each with a share of its points and tiles: all of them take
- * the same steps in the same order. MpiRanks are those of an MPI job. */
+/** \brief Processes that fit one cloud together, each with a share of its points and tiles: all of
+ * them take the same steps in the same order. MpiRanks are those of an MPI job. */
 class PCL_SLIM_EXPORT Ranks {
  public:
   using Bytes = std::vector<unsigned char>;

@@ -33,10 +33,12 @@ struct RecordLayout {
   bool has_sensors = false;  ///< records also contain sensor positions: not read
 };
 
-/** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
+/** \brief The points of a file with records of one size, or of text, read in pieces of some
+ * megabytes. */
 class PCL_SLIM_EXPORT RecordSource : public PointSource {
  public:
-  /** \param[in] share,shares the share-th of this number of equal parts of the records, from 0 on */
+  /** \param[in] share,shares the share-th of this number of equal parts of the records, from 0 on
+   */
   explicit RecordSource(RecordLayout layout, std::uint64_t share = 0, std::uint64_t shares = 1);
 
   const RecordLayout& layout() const { return layout_; }

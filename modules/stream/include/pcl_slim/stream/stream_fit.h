@@ -24,17 +24,17 @@ namespace detail {
 struct StreamState;
 }
 
-/** \brief Parameters of a fit by tiles. Those of the fit and the tile size decide the result; the scratch
- * folder and the number of threads do not. */
+/** \brief Parameters of a fit by tiles. Those of the fit and the tile size decide the result; the
+ * scratch folder and the number of threads do not. */
 struct PCL_SLIM_EXPORT StreamParams {
   FitParams fit;
   std::uint64_t tile_points = 4000000;  ///< most points of a tile's core, at least kLeastTile
   std::string scratch;                  ///< folder of the scratch file; empty: the system's
-  /// Folder that keeps plan, points and fitted tiles, so that a later run of the same cloud and parameters,
-  /// or other processes, continue with them; empty: nothing is kept.
+  /// Folder that keeps plan, points and fitted tiles, so that a later run of the same cloud and
+  /// parameters, or other processes, continue with them; empty: nothing is kept.
   std::string state;
-  /// Processes that fit the cloud together, each with a source of its share of the points; null: this one
-  /// alone. Their number does not change the result.
+  /// Processes that fit the cloud together, each with a source of its share of the points; null:
+  /// this one alone. Their number does not change the result.
   Ranks* ranks = nullptr;
   std::string source_name;  ///< with it: identifies the source, by its path, size and date
 
@@ -62,11 +62,11 @@ struct StreamStatistics {
 
 /** \brief A fit of a cloud that need not fit into memory, tile by tile (docs/tiles.md).
  *
- * prepare() reads the source, at least three times, and sorts the points into a scratch file;
- * then tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of
- * the points and the tiles, and for any number of threads and ranks. With ranks each keeps the points of
- * its own tiles, a run of them, in its own scratch file; prepare() and fit() of several tiles are
- * calls that all ranks make.
+ * prepare() reads the source, at least three times, and sorts the points into a scratch file; then
+ * tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of the
+ * points and the tiles, and for any number of threads and ranks. With ranks each keeps the points
+ * of its own tiles, a run of them, in its own scratch file; prepare() and fit() of several tiles
+ * are calls that all ranks make.
  */
 class PCL_SLIM_EXPORT StreamFit {
  public:
@@ -88,24 +88,26 @@ class PCL_SLIM_EXPORT StreamFit {
   int firstLevel(std::size_t tile) const;
   /** \brief Points that a tile has in memory, its halo included, at most. */
   std::uint64_t loadedPoints(std::size_t tile) const;
-  /** \brief Bytes that fitting one tile takes at most, without its surfels. \param[in] threads of this fit,
-   * each of which works on a ball */
+  /** \brief Bytes that fitting one tile takes at most, without its surfels. \param[in] threads of
+   * this fit, each of which works on a ball */
   std::uint64_t workingBytes(int threads = 1) const;
 
-  /** \brief Surfels of the levels above the tiles' first, for a level of detail; none is a leaf. They are fitted to
-   * a sample of the cloud, have no links or common side, and belong in front of all tiles'. Rank 0 has them. */
+  /** \brief Surfels of the levels above the tiles' first, for a level of detail; none is a leaf.
+   * They are fitted to a sample of the cloud, have no links or common side, and belong in front of
+   * all tiles'. Rank 0 has them. */
   const SLIMSurface& coarse() const;
 
-  /** \brief Fits one of the own tiles. \param[out] surface its surfels, without links or common side; may be empty */
+  /** \brief Fits one of the own tiles. \param[out] surface its surfels, without links or common
+   * side; may be empty */
   Error fit(std::size_t tile, SLIMSurface& surface, Progress* progress = nullptr);
 
   /** \brief Takes the surfels of a tile; an error ends the work. */
   using Sink = std::function<Error(std::size_t tile, const SLIMSurface& surface)>;
 
-  /** \brief Fits some tiles, several at the same time with a thread each, and gives them to a sink in the order
-   * requested, one after another, from any thread. \param[in] at_once 1: one after another, with all threads;
-   * each takes workingBytes(). Of several ranks each fits those of the tiles that are its own, and rank 0's
-   * sink takes all. */
+  /** \brief Fits some tiles, several at the same time with a thread each, and gives them to a sink
+   * in the order requested, one after another, from any thread. \param[in] at_once 1: one after
+   * another, with all threads; each takes workingBytes(). Of several ranks each fits those of the
+   * tiles that are its own, and rank 0's sink takes all. */
   Error fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
             Progress* progress = nullptr);
 
@@ -118,8 +120,8 @@ class PCL_SLIM_EXPORT StreamFit {
 
 /** \brief Fits all tiles into one surface with links, and with a common side where points have no
  * normals: for clouds whose surfels fit into memory. */
-PCL_SLIM_EXPORT Error
-fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
-         StreamStatistics* statistics = nullptr, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error fitTiles(PointSource& source, const StreamParams& params,
+                               SLIMSurface& surface, StreamStatistics* statistics = nullptr,
+                               Progress* progress = nullptr);
 
 }  // namespace pcl_slim

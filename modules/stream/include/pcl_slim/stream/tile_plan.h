@@ -12,7 +12,8 @@ namespace pcl_slim {
 /** \brief A cloud cut into tiles along its Morton curve: a function of the points and the tile size
  * alone, never of memory, threads or the order of the points. */
 struct PCL_SLIM_EXPORT TilePlan {
-  /** \brief Points of one cell of an octree over the cloud. Ascending, without gaps between points. */
+  /** \brief Points of one cell of an octree over the cloud. Ascending, without gaps between points.
+   */
   struct Cell {
     std::uint64_t first_key = 0;  ///< least Morton code
     std::uint32_t points = 0;
@@ -29,9 +30,9 @@ struct PCL_SLIM_EXPORT TilePlan {
   std::vector<Tile> tiles;
   std::uint64_t points = 0;  ///< of all tiles
 
-  /** \brief Cuts cells into tiles of at most this number of points each, unless one cell has more: nodes of
-   * the octree, of which small neighbours under one parent are joined, and remainders of less than a ninth
-   * with a neighbour on the curve. O(cells). */
+  /** \brief Cuts cells into tiles of at most this number of points each, unless one cell has more:
+   * nodes of the octree, of which small neighbours under one parent are joined, and remainders of
+   * less than a ninth with a neighbour on the curve. O(cells). */
   void makeTiles(std::uint64_t most_points);
 };
 

@@ -21,9 +21,7 @@ struct Roots {
 
 /** \brief a[0] + a[1] x + ... + a[Degree] x^Degree. */
 template <int Degree>
-inline double
-evaluate(const double* a, double x)
-{
+inline double evaluate(const double* a, double x) {
   double value = a[Degree];
   for (int i = Degree - 1; i >= 0; --i) value = value * x + a[i];
   return value;
@@ -31,9 +29,7 @@ evaluate(const double* a, double x)
 
 /** \brief The derivative of the same polynomial. */
 template <int Degree>
-inline double
-evaluateDerivative(const double* a, double x)
-{
+inline double evaluateDerivative(const double* a, double x) {
   double value = Degree * a[Degree];
   for (int i = Degree - 1; i >= 1; --i) value = value * x + i * a[i];
   return value;
@@ -45,9 +41,8 @@ evaluateDerivative(const double* a, double x)
  * it converges whatever the polynomial.
  */
 template <int Degree>
-inline double
-bracketedRoot(const double* a, double low, double high, double value_low, double value_high)
-{
+inline double bracketedRoot(const double* a, double low, double high, double value_low,
+                            double value_high) {
   constexpr double kTolerance = 1e-11;
   constexpr int kMaxSteps = 60;
   double x = low + (high - low) * (value_low / (value_low - value_high));
@@ -70,9 +65,7 @@ bracketedRoot(const double* a, double low, double high, double value_low, double
 }
 
 /** \brief Both roots of a0 + a1 x + a2 x^2 without cancellation, those in [low, high] only. */
-inline void
-quadraticRoots(const double* a, double low, double high, Roots& roots)
-{
+inline void quadraticRoots(const double* a, double low, double high, Roots& roots) {
   const double discriminant = a[1] * a[1] - 4.0 * a[2] * a[0];
   if (!(discriminant >= 0.0)) return;
   const double q = -0.5 * (a[1] + std::copysign(std::sqrt(discriminant), a[1]));
@@ -88,9 +81,7 @@ quadraticRoots(const double* a, double low, double high, Roots& roots)
  * values there. By Descartes' rule it has no more roots between than they have sign changes, and
  * differs from that number by an even one. */
 template <int Degree>
-inline void
-toBernstein(const double* a, double low, double high, double* b)
-{
+inline void toBernstein(const double* a, double low, double high, double* b) {
   static_assert(Degree == 3 || Degree == 4);
   double c[Degree + 1];
   for (int i = 0; i <= Degree; ++i) c[i] = a[i];
@@ -119,9 +110,7 @@ toBernstein(const double* a, double low, double high, double* b)
  * brackets its one root; the derivative's roots are found the same way, down to a quadratic.
  */
 template <int Degree>
-inline void
-rootsInInterval(const double* a, double low, double high, Roots& roots)
-{
+inline void rootsInInterval(const double* a, double low, double high, Roots& roots) {
   if constexpr (Degree == 1) {
     const double x = -a[0] / a[1];
     if (x >= low && x <= high) roots.add(x);
@@ -156,9 +145,7 @@ rootsInInterval(const double* a, double low, double high, Roots& roots)
 
 /** \brief The same for a degree known at run time. \param[in] a five coefficients, those above the
  * degree 0 */
-inline Roots
-rootsInInterval(int degree, const double* a, double low, double high)
-{
+inline Roots rootsInInterval(int degree, const double* a, double low, double high) {
   Roots roots;
   switch (degree) {
     case 1: rootsInInterval<1>(a, low, high, roots); break;
@@ -173,10 +160,8 @@ rootsInInterval(int degree, const double* a, double low, double high)
  * low_behind on if it rises, and not beyond high. \return infinity if there is none.
  * \param[in] a as above \param[in] counts bool(root) */
 template <typename Counts>
-double
-firstRootInInterval(int degree, const double* a, double low_front, double low_behind, double high,
-                    const Counts& counts)
-{
+double firstRootInInterval(int degree, const double* a, double low_front, double low_behind,
+                           double high, const Counts& counts) {
   const Roots roots = rootsInInterval(degree, a, std::min(low_front, low_behind), high);
   for (int i = 0; i < roots.count; ++i) {
     const bool falls = evaluateDerivative<4>(a, roots.at[i]) < 0.0;
@@ -187,10 +172,8 @@ firstRootInInterval(int degree, const double* a, double low_front, double low_be
 
 /** \brief The root in [low, high] nearest to aim, of equals the first; with front_only of those at
  * which the polynomial falls. \return false if there is none. \param[in] a as above */
-inline bool
-nearestRootInInterval(int degree, const double* a, double low, double high, double aim,
-                      bool front_only, double& root)
-{
+inline bool nearestRootInInterval(int degree, const double* a, double low, double high, double aim,
+                                  bool front_only, double& root) {
   if (!(low <= high)) return false;
   const Roots roots = rootsInInterval(degree, a, low, high);
   double best = HUGE_VAL;
@@ -210,9 +193,7 @@ nearestRootInInterval(int degree, const double* a, double low, double high, doub
  * With d = 2 |p / p'| at start: if |p''| d < |p'| / 2 on [start - d, start + d], p is monotone
  * there and changes sign, so the interval contains exactly one root, and no other is as near.
  */
-inline bool
-obviousRoot(const double* a, double start, double& root)
-{
+inline bool obviousRoot(const double* a, double start, double& root) {
   constexpr double kTolerance = 1e-11;
   const double value = evaluate<4>(a, start), slope = evaluateDerivative<4>(a, start);
   const double reach = 2.0 * std::abs(value);  // times 1 / |p'|
@@ -254,9 +235,7 @@ struct RaySurfel {
         degree(surface.degree[i]),
         coefficients(surface.coefficientsOf(i)),
         variance_weight(surface.info.paper_mode ? 1.0 : surface.varianceWeight(i)),
-        trim(surface.trimMap(i))
-  {
-  }
+        trim(surface.trimMap(i)) {}
 };
 
 /** \brief Where a ray comes closest to a surfel's centre.
@@ -269,8 +248,7 @@ struct Approach {
   Vector3 point;       ///< closest point relative to the centre, in radii, world axes
   double distance_sq;  ///< its squared length
 
-  Approach(const RaySurfel& surfel, const Ray& ray)
-  {
+  Approach(const RaySurfel& surfel, const Ray& ray) {
     const Vector3 to_center = subtract(surfel.center, ray.origin);
     depth = dot(to_center, ray.direction);
     point = scaled(subtract(scaled(ray.direction, depth), to_center), surfel.inverse_radius);
@@ -286,8 +264,7 @@ struct Approach {
 struct PCL_SLIM_EXPORT RayPolynomial {
   double a[5];
 
-  RayPolynomial(const RaySurfel& surfel, const Approach& approach, const Vector3& direction)
-  {
+  RayPolynomial(const RaySurfel& surfel, const Approach& approach, const Vector3& direction) {
     const LocalFrame& f = surfel.frame;
     const double u = dot(approach.point, f.u), v = dot(approach.point, f.v);
     const double du = dot(direction, f.u), dv = dot(direction, f.v);
@@ -309,16 +286,14 @@ struct PCL_SLIM_EXPORT RayPolynomial {
  private:
   // A form F of degree k along p + s d is sum_i s^i F_i, where F_i is its polar form with i of
   // its k arguments equal to d, counted with multiplicity.
-  void addQuadratic(const float* c, double u, double v, double du, double dv)
-  {
+  void addQuadratic(const float* c, double u, double v, double du, double dv) {
     const double gu = 2.0 * c[0] * u + c[1] * v, gv = c[1] * u + 2.0 * c[2] * v;
     a[0] += 0.5 * (gu * u + gv * v);
     a[1] += gu * du + gv * dv;
     a[2] += c[0] * du * du + c[1] * du * dv + c[2] * dv * dv;
   }
 
-  void addCubic(const float* c, double u, double v, double du, double dv)
-  {
+  void addCubic(const float* c, double u, double v, double du, double dv) {
     const auto gradient_u = [c](double x, double y) {
       return 3.0 * c[0] * x * x + 2.0 * c[1] * x * y + c[2] * y * y;
     };
@@ -333,8 +308,7 @@ struct PCL_SLIM_EXPORT RayPolynomial {
     a[3] += (qu * du + qv * dv) / 3.0;
   }
 
-  void addQuartic(const float* c, double u, double v, double du, double dv)
-  {
+  void addQuartic(const float* c, double u, double v, double du, double dv) {
     const auto gradient_u = [c](double x, double y) {
       return 4.0 * c[0] * x * x * x + 3.0 * c[1] * x * x * y + 2.0 * c[2] * x * y * y +
              c[3] * y * y * y;

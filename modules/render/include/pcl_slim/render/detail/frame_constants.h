@@ -7,7 +7,8 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A constant of the rules by which rays meet a surface, by its name in shaders and pages. */
+/** \brief A constant of the rules by which rays meet a surface, by its name in shaders and pages.
+ */
 struct FrameConstant {
   const char* name;
   double value;
@@ -34,9 +35,7 @@ constexpr std::array<FrameConstant, 7> kFrameConstants{{{"kMaxShrink", kMaxShrin
 
 /** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What is
  * beyond moves a blend by less than that share of what its leaves differ by. */
-constexpr float
-weightReach(WeightKernel kernel)
-{
+constexpr float weightReach(WeightKernel kernel) {
   switch (kernel) {
     case WeightKernel::kPower2: return 0.984f;  // 1 - s^2 = .0316
     case WeightKernel::kPower4: return 0.907f;  // .178
