@@ -10,18 +10,14 @@
 
 namespace pcl_slim {
 
-void
-ColorOctreeSplatSamplerBase::setViewPoint(double x, double y, double z)
-{
+void ColorOctreeSplatSamplerBase::setViewPoint(double x, double y, double z) {
   has_viewpoint_ = true;
   params_.viewpoint[0] = x;
   params_.viewpoint[1] = y;
   params_.viewpoint[2] = z;
 }
 
-bool
-ColorOctreeSplatSamplerBase::getViewPoint(double& x, double& y, double& z) const
-{
+bool ColorOctreeSplatSamplerBase::getViewPoint(double& x, double& y, double& z) const {
   if (!has_viewpoint_) return false;
   x = params_.viewpoint[0];
   y = params_.viewpoint[1];
@@ -29,17 +25,13 @@ ColorOctreeSplatSamplerBase::getViewPoint(double& x, double& y, double& z) const
   return true;
 }
 
-void
-ColorOctreeSplatSamplerBase::clearResults()
-{
+void ColorOctreeSplatSamplerBase::clearResults() {
   ControlledRun::clearResults();
   statistics_ = {};
 }
 
-bool
-ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors,
-                                 const float sensor[3], SplatSet& splats)
-{
+bool ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors,
+                                      const float sensor[3], SplatSet& splats) {
   const CancellableRun cancellable(control_.progress);
   SplatParams params = params_;
   const bool known = isFinite(sensor);

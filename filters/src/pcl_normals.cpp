@@ -20,23 +20,23 @@ namespace pcl_slim {
 
 namespace {
 
-/** \brief The distance of PCL's trees as a type of our own, for which FLANN's function that makes an index of
- * any kind makes the one kind that PCL asks for: the other seven are most of the time to compile this file. */
+/** \brief The distance of PCL's trees as a type of our own, for which FLANN's function that makes
+ * an index of any kind makes the one kind that PCL asks for: the other seven are most of the time
+ * to compile this file. */
 struct SquaredDistance : flann::L2_Simple<float> {};
 
-using PointTree = pcl::search::KdTree<pcl::PointXYZ, pcl::KdTreeFLANN<pcl::PointXYZ, SquaredDistance>>;
+using PointTree =
+    pcl::search::KdTree<pcl::PointXYZ, pcl::KdTreeFLANN<pcl::PointXYZ, SquaredDistance>>;
 
 }  // namespace
 
 }  // namespace pcl_slim
 
 template <>
-inline flann::NNIndex<pcl_slim::SquaredDistance>*
-flann::create_index_by_type<pcl_slim::SquaredDistance>(const flann_algorithm_t,
-                                                       const Matrix<float>& points,
-                                                       const IndexParams& params,
-                                                       const pcl_slim::SquaredDistance& distance)
-{
+inline flann::NNIndex<pcl_slim::SquaredDistance>* flann::create_index_by_type<
+    pcl_slim::SquaredDistance>(const flann_algorithm_t, const Matrix<float>& points,
+                               const IndexParams& params,
+                               const pcl_slim::SquaredDistance& distance) {
   return new KDTreeSingleIndex<pcl_slim::SquaredDistance>(points, params, distance);
 }
 #endif
@@ -47,9 +47,8 @@ namespace pcl_slim {
 using PointTree = pcl::search::KdTree<pcl::PointXYZ>;
 #endif
 
-pcl::search::Search<pcl::PointXYZ>::Ptr
-makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud)
-{
+pcl::search::Search<pcl::PointXYZ>::Ptr makeSearch(
+    const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud) {
   if (cloud->isOrganized()) {
     auto organized = std::make_shared<pcl::search::OrganizedNeighbor<pcl::PointXYZ>>();
     organized->setInputCloud(cloud);
@@ -67,9 +66,7 @@ constexpr float kLargest = 1e18f;
 constexpr float kLeastSpan = 1e-12f;
 
 /** Checks that PCL can estimate normals of a cloud. */
-Error
-checkCloud(const pcl::PointCloud<pcl::PointXYZ>& cloud, int neighbours)
-{
+Error checkCloud(const pcl::PointCloud<pcl::PointXYZ>& cloud, int neighbours) {
   float largest = 0, low[3] = {}, high[3] = {};
   std::size_t finite = 0;
   for (const pcl::PointXYZ& p : cloud) {
@@ -93,11 +90,9 @@ checkCloud(const pcl::PointCloud<pcl::PointXYZ>& cloud, int neighbours)
 }
 
 /** As pcl::NormalEstimation computes it. \return false: there is none, and all of it is NaN. */
-bool
-normalOf(const pcl::PointCloud<pcl::PointXYZ>& cloud, pcl::index_t point,
-         const pcl::search::Search<pcl::PointXYZ>& search, int neighbours,
-         const Eigen::Vector4f& viewpoint, pcl::Normal& normal)
-{
+bool normalOf(const pcl::PointCloud<pcl::PointXYZ>& cloud, pcl::index_t point,
+              const pcl::search::Search<pcl::PointXYZ>& search, int neighbours,
+              const Eigen::Vector4f& viewpoint, pcl::Normal& normal) {
   thread_local pcl::Indices near;
   thread_local std::vector<float> distances_sq;
   const pcl::PointXYZ& own = cloud[static_cast<std::size_t>(point)];
@@ -118,12 +113,10 @@ normalOf(const pcl::PointCloud<pcl::PointXYZ>& cloud, pcl::index_t point,
 
 }  // namespace
 
-Error
-pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
-           const pcl::IndicesConstPtr& selected,
-           const pcl::search::Search<pcl::PointXYZ>::Ptr& search, int neighbours,
-           const FitParams& params, pcl::PointCloud<pcl::Normal>& normals)
-{
+Error pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
+                 const pcl::IndicesConstPtr& selected,
+                 const pcl::search::Search<pcl::PointXYZ>::Ptr& search, int neighbours,
+                 const FitParams& params, pcl::PointCloud<pcl::Normal>& normals) {
   if (Error error = checkThreads(params.threads)) return error;
   if (Error error = checkCloud(*cloud, neighbours)) return error;
   const std::size_t count = selected ? selected->size() : cloud->size();
@@ -145,9 +138,7 @@ pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
   return {};
 }
 
-void
-faceSensors(const CloudView& view, std::vector<float>& normals)
-{
+void faceSensors(const CloudView& view, std::vector<float>& normals) {
   for (std::size_t i = 0; i < view.size; ++i) {
     const auto from = view.position(i), sensor = view.sensorPosition(i);
     float* n = &normals[3 * i];

@@ -11,9 +11,7 @@ namespace pcl_slim {
 
 namespace {
 
-Error
-checkSupport(const Projection& projection)
-{
+Error checkSupport(const Projection& projection) {
   const auto points = static_cast<double>(projection.position.size());
   const double supported = points - static_cast<double>(projection.num_unsupported);
   if (supported >= kLeastSharedSupport * points) return {};
@@ -25,9 +23,7 @@ checkSupport(const Projection& projection)
 
 }  // namespace
 
-Error
-traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress)
-{
+Error traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress) {
   lines = CrestLines();
   if (Error error = run.fit.validate()) return error;
   if (Error error = run.crest.validate()) return error;

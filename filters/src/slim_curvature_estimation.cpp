@@ -10,9 +10,7 @@
 
 namespace pcl_slim {
 
-void
-SLIMProjectionBase::clearResults()
-{
+void SLIMProjectionBase::clearResults() {
   SLIMFitBase::clearResults();
   fitted_surface_.reset();
   warning_.clear();
@@ -21,10 +19,8 @@ SLIMProjectionBase::clearResults()
   outside_.clear();
 }
 
-bool
-SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
-                            ProjectionParams params, CloudProjection& projection)
-{
+bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
+                                 ProjectionParams params, CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
   if (error_) return false;
@@ -45,9 +41,8 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
 }
 
 /** Fits; where points that are no surface may stay as they are, the surface of such is empty. */
-Result<std::shared_ptr<SLIMSurface>>
-SLIMProjectionBase::fitTo(PointStore& store, const CloudView& cloud)
-{
+Result<std::shared_ptr<SLIMSurface>> SLIMProjectionBase::fitTo(PointStore& store,
+                                                               const CloudView& cloud) {
   auto made = std::make_shared<SLIMSurface>();
   const Error error = fitStore(store, cloud, *made);
   if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
@@ -55,9 +50,8 @@ SLIMProjectionBase::fitTo(PointStore& store, const CloudView& cloud)
   return made;
 }
 
-CloudProjectionParams
-SLIMProjectionBase::projectionOn(const SLIMSurface& surface, const ProjectionParams& params) const
-{
+CloudProjectionParams SLIMProjectionBase::projectionOn(const SLIMSurface& surface,
+                                                       const ProjectionParams& params) const {
   CloudProjectionParams how;
   how.projection = params;
   how.projection.sharp_features = params_.sharp_features;
@@ -66,10 +60,8 @@ SLIMProjectionBase::projectionOn(const SLIMSurface& surface, const ProjectionPar
   return how;
 }
 
-bool
-SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& params,
-                                CloudProjection& projection)
-{
+bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& params,
+                                     CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
   const SurfaceConstPtr surface = surface_ ? surface_ : fitted_surface_;
   if (!surface) return fail(ErrorCode::kNoSurface, "there is no surface to project onto");
@@ -84,10 +76,9 @@ SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams&
   });
 }
 
-Error
-SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
-                                  const ProjectionParams& params, CloudProjection& projection)
-{
+Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
+                                        const ProjectionParams& params,
+                                        CloudProjection& projection) {
   SurfaceConstPtr surface = surface_;
   std::optional<PointStore> store;
   if (surface) {

@@ -16,23 +16,17 @@
 
 namespace pcl_slim {
 
-void
-ControlledRun::clearResults()
-{
+void ControlledRun::clearResults() {
   error_ = {};
 }
 
-bool
-ControlledRun::fail(ErrorCode code, const std::string& message)
-{
+bool ControlledRun::fail(ErrorCode code, const std::string& message) {
   error_ = {code, message};
   return false;
 }
 
-bool
-ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
-                           const void* body)
-{
+bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
+                                const void* body) {
   try {
     error_ = call(body);
     // Checked after the last progress report: a caller who cancels wants no result.
@@ -47,46 +41,34 @@ ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(c
   return !error_;
 }
 
-void
-SLIMFitBase::setViewPoint(double x, double y, double z)
-{
+void SLIMFitBase::setViewPoint(double x, double y, double z) {
   params_.viewpoint = std::array<double, 3>{x, y, z};
 }
 
-bool
-SLIMFitBase::getViewPoint(double& x, double& y, double& z) const
-{
+bool SLIMFitBase::getViewPoint(double& x, double& y, double& z) const {
   if (!params_.viewpoint) return false;
   std::tie(x, y, z) = std::tuple_cat(*params_.viewpoint);
   return true;
 }
 
-void
-SLIMFitBase::setNoiseModel(double a, double b, double c)
-{
+void SLIMFitBase::setNoiseModel(double a, double b, double c) {
   params_.noise_model = std::array<double, 3>{a, b, c};
 }
 
-bool
-SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const
-{
+bool SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const {
   if (!params_.noise_model) return false;
   std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
   return true;
 }
 
-void
-SLIMFitBase::clearResults()
-{
+void SLIMFitBase::clearResults() {
   ControlledRun::clearResults();
   statistics_ = {};
   outliers_.clear();
   input_statistics_ = {};
 }
 
-Error
-SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface)
-{
+Error SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface) {
   outliers_.clear();
   if (params_.sharp_features && cloud.normal == nullptr) {
     PCL_WARN(
@@ -100,9 +82,7 @@ SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& su
   return error;
 }
 
-bool
-SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors)
-{
+bool SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors) {
   const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
   if (error_) return false;

@@ -13,8 +13,7 @@ namespace {
 /** Three fields of a cloud, of type float or double. */
 class RealTriple {
  public:
-  RealTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3])
-  {
+  RealTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3]) {
     for (const char* name : names) {
       const int i = findField(cloud, name);
       if (i < 0) return;
@@ -27,8 +26,7 @@ class RealTriple {
 
   bool found() const { return fields_.size() == 3; }
 
-  Vector3 read(const pcl::PCLPointCloud2& cloud, std::size_t i) const
-  {
+  Vector3 read(const pcl::PCLPointCloud2& cloud, std::size_t i) const {
     Vector3 value{};
     for (std::size_t a = 0; a < 3; ++a) {
       const auto* at = cloud.data.data() + i * cloud.point_step + fields_[a].offset;
@@ -43,8 +41,7 @@ class RealTriple {
     return value;
   }
 
-  void write(const Vector3& value, std::size_t i, pcl::PCLPointCloud2& cloud) const
-  {
+  void write(const Vector3& value, std::size_t i, pcl::PCLPointCloud2& cloud) const {
     for (std::size_t a = 0; a < 3; ++a) {
       auto* at = cloud.data.data() + i * cloud.point_step + fields_[a].offset;
       const auto single = static_cast<float>(value[a]);
@@ -64,9 +61,7 @@ class RealTriple {
 };
 
 /** Indices that are no vertices stay none: the module names them. */
-MeshFaces
-facesOf(const pcl::PolygonMesh& mesh)
-{
+MeshFaces facesOf(const pcl::PolygonMesh& mesh) {
   MeshFaces faces;
   std::vector<std::uint32_t> corners;
   for (const pcl::Vertices& polygon : mesh.polygons) {
@@ -76,9 +71,7 @@ facesOf(const pcl::PolygonMesh& mesh)
   return faces;
 }
 
-Error
-checkCloud(const pcl::PCLPointCloud2& cloud, const RealTriple& xyz)
-{
+Error checkCloud(const pcl::PCLPointCloud2& cloud, const RealTriple& xyz) {
   if (numPoints(cloud) == 0) {
     return {ErrorCode::kBadInput, "the input mesh has no vertices; give one that has"};
   }
@@ -97,9 +90,7 @@ constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
 
 }  // namespace
 
-bool
-SLIMMeshSmoother::process(pcl::PolygonMesh& output)
-{
+bool SLIMMeshSmoother::process(pcl::PolygonMesh& output) {
   clearResults();
   mesh_statistics_ = {};
   fitted_surface_.reset();
@@ -114,9 +105,7 @@ SLIMMeshSmoother::process(pcl::PolygonMesh& output)
   return done;
 }
 
-Error
-SLIMMeshSmoother::smooth(pcl::PolygonMesh& made)
-{
+Error SLIMMeshSmoother::smooth(pcl::PolygonMesh& made) {
   if (!input_) return {ErrorCode::kBadInput, "no input mesh is set; call setInputMesh()"};
   const RealTriple xyz(input_->cloud, kPosition), normal(input_->cloud, kNormal);
   if (Error error = checkCloud(input_->cloud, xyz)) return error;

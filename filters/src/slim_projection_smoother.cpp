@@ -4,8 +4,8 @@
 
 #include "input_types.h"
 
-// SLIMProjectionSmoother from all of PCL's XYZ types to all of them. A macro cannot expand itself: there is
-// one for each type that points come from.
+// SLIMProjectionSmoother from all of PCL's XYZ types to all of them. A macro cannot expand itself:
+// there is one for each type that points come from.
 #define PCL_SLIM_TO(Out) PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(PCL_SLIM_FROM, Out)
 
 #define PCL_SLIM_FROM pcl::PointXYZ

@@ -30,8 +30,7 @@ struct NearbyPoints {
   pcl::PointCloud<pcl::PointXYZ>::Ptr points{new pcl::PointCloud<pcl::PointXYZ>};
   std::vector<std::size_t> places;
 
-  explicit NearbyPoints(const CloudView& cloud)
-  {
+  explicit NearbyPoints(const CloudView& cloud) {
     for (std::size_t i = 0; i < cloud.count(); ++i) {
       const std::size_t place = cloud.inputIndex(i);
       const Vector3 p = cloud.position(place);
@@ -42,8 +41,7 @@ struct NearbyPoints {
     }
   }
 
-  pcl::PointXYZ relative(const Vector3& p) const
-  {
+  pcl::PointXYZ relative(const Vector3& p) const {
     return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
             static_cast<float>(p[2] - origin[2])};
   }
@@ -51,9 +49,8 @@ struct NearbyPoints {
 
 }  // namespace
 
-Error
-colorFromPoints(const CloudView& cloud, const ColorView& colors, int threads, TriangleMesh& mesh)
-{
+Error colorFromPoints(const CloudView& cloud, const ColorView& colors, int threads,
+                      TriangleMesh& mesh) {
   mesh.colors.clear();
   if (colors.bgr == nullptr) return badInput("the points have no colours; give a coloured scan");
   if (Error error = cloud.validate()) return error;
@@ -86,9 +83,7 @@ namespace {
 constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that trim maps may and do keep
 
 /** The fit's parameters for a mesh: trim maps keep holes as small as the mesh is to have. */
-FitParams
-fitParamsFor(const FitParams& fit, const MeshParams& mesh)
-{
+FitParams fitParamsFor(const FitParams& fit, const MeshParams& mesh) {
   FitParams made = fit;
   if (mesh.hole_size > 0) made.hole_size = std::clamp(mesh.hole_size, kLeastHole, kUsualHole);
   return made;
@@ -96,18 +91,14 @@ fitParamsFor(const FitParams& fit, const MeshParams& mesh)
 
 }  // namespace
 
-void
-SLIMReconstructionBase::clearMesh()
-{
+void SLIMReconstructionBase::clearMesh() {
   clearResults();
   mesh_.clear();
   mesh_statistics_ = {};
   fitted_surface_.reset();
 }
 
-bool
-SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors)
-{
+bool SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors) {
   MeshParams params = mesh_params_;
   params.trim = params_.trim;
   params.threads = params_.threads;

@@ -40,8 +40,7 @@ struct PointTree {
   Position origin{};
   pcl::search::Search<pcl::PointXYZ>::Ptr tree;  ///< null without points
 
-  explicit PointTree(const CloudView& view)
-  {
+  explicit PointTree(const CloudView& view) {
     for (std::size_t i = 0; i < view.count(); ++i) {
       const Position p = view.position(view.inputIndex(i));
       if (!isFinite(p)) continue;
@@ -54,24 +53,19 @@ struct PointTree {
     tree->setSortedResults(false);
   }
 
-  pcl::PointXYZ local(const Position& p) const
-  {
+  pcl::PointXYZ local(const Position& p) const {
     return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
             static_cast<float>(p[2] - origin[2])};
   }
 };
 
-void
-makeUnique(std::vector<std::uint64_t>& keys)
-{
+void makeUnique(std::vector<std::uint64_t>& keys) {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
 /** Dilates the set of voxels by a number of steps along an axis. */
-void
-dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys)
-{
+void dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys) {
   const std::uint64_t step = std::uint64_t{1} << (kAxisBits * static_cast<std::uint64_t>(2 - axis));
   std::vector<std::uint64_t> wider;
   wider.reserve(keys.size() * static_cast<std::size_t>(2 * steps + 1));
@@ -86,9 +80,7 @@ dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys)
 
 /** Displacements (u, v) on a grid of this step over the open disc of this radius, as
  * pcl::MovingLeastSquares lays it: from -radius on. */
-std::vector<std::array<double, 2>>
-discGrid(double radius, double step)
-{
+std::vector<std::array<double, 2>> discGrid(double radius, double step) {
   std::vector<std::array<double, 2>> grid;
   for (std::size_t i = 0;; ++i) {
     const double u = static_cast<double>(i) * step - radius;
@@ -102,9 +94,8 @@ discGrid(double radius, double step)
 }
 
 /** Displacements spread evenly over the closed disc of this radius; the same for the same seed. */
-std::vector<std::array<double, 2>>
-discSamples(std::size_t count, double radius, std::uint64_t seed)
-{
+std::vector<std::array<double, 2>> discSamples(std::size_t count, double radius,
+                                               std::uint64_t seed) {
   SplitMix random{seed};
   std::vector<std::array<double, 2>> samples;
   while (samples.size() < count) {
@@ -114,11 +105,9 @@ discSamples(std::size_t count, double radius, std::uint64_t seed)
   return samples;
 }
 
-/** Corners of the voxels that contain points, dilated a number of times by all neighbours; ascending in
- * x, then y, then z. \return an error for voxels too small to be counted. */
-Result<std::vector<Position>>
-dilatedVoxels(const CloudView& view, double edge, int dilations)
-{
+/** Corners of the voxels that contain points, dilated a number of times by all neighbours;
+ * ascending in x, then y, then z. \return an error for voxels too small to be counted. */
+Result<std::vector<Position>> dilatedVoxels(const CloudView& view, double edge, int dilations) {
   Bounds box;
   for (std::size_t i = 0; i < view.count(); ++i) {
     const Position p = view.position(view.inputIndex(i));
@@ -155,15 +144,15 @@ dilatedVoxels(const CloudView& view, double edge, int dilations)
 }
 
 /** For each place the nearest finite point of the view. O(places log points). */
-std::vector<std::uint32_t>
-nearestPoints(const CloudView& view, const std::vector<Position>& places)
-{
+std::vector<std::uint32_t> nearestPoints(const CloudView& view,
+                                         const std::vector<Position>& places) {
   const PointTree points(view);
   std::vector<std::uint32_t> nearest(places.size(), 0);
   pcl::Indices found;
   std::vector<float> distances;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (points.tree && points.tree->nearestKSearch(points.local(places[i]), 1, found, distances) > 0)
+    if (points.tree &&
+        points.tree->nearestKSearch(points.local(places[i]), 1, found, distances) > 0)
       nearest[i] = points.source[static_cast<std::size_t>(found.front())];
   }
   return nearest;
@@ -171,9 +160,7 @@ nearestPoints(const CloudView& view, const std::vector<Position>& places)
 
 /** How many points are within a radius of each point of the view, itself included; 0 for those
  * that are not finite. */
-std::vector<std::uint32_t>
-countNeighbors(const CloudView& view, double radius)
-{
+std::vector<std::uint32_t> countNeighbors(const CloudView& view, double radius) {
   const PointTree points(view);
   std::vector<std::uint32_t> counts(view.count(), 0);
   pcl::Indices found;
@@ -185,31 +172,26 @@ countNeighbors(const CloudView& view, double radius)
   return counts;
 }
 
-// Variance of a fit's value at its centre, in units of sigma^2 / (points in the ball), for points spread
-// evenly: 4.17 for MovingLeastSquares (weight exp(-d^2/r^2) within r, order 2), 8.36 up to degree 3 and
-// 16.1 at degree 4 for ours (weight (1 - d^2/R^2)^4). Equal at R^2 / r^2 = 8.36 / 4.17 and 16.1 / 4.17.
+// Variance of a fit's value at its centre, in units of sigma^2 / (points in the ball), for points
+// spread evenly: 4.17 for MovingLeastSquares (weight exp(-d^2/r^2) within r, order 2), 8.36 up to
+// degree 3 and 16.1 at degree 4 for ours (weight (1 - d^2/R^2)^4). Equal at R^2 / r^2 = 8.36 / 4.17
+// and 16.1 / 4.17.
 constexpr double kRadiiOfCubic = 1.42;
 constexpr double kRadiiOfQuartic = 1.97;
 constexpr double kPlaceReach =
     0.5;  ///< of a ball's radius: half of it around the foot is surely covered
 
-Error
-needsPositive(const char* what)
-{
+Error needsPositive(const char* what) {
   return {ErrorCode::kBadArgument, std::string(what) + " must be a positive number; set it"};
 }
 
-bool
-isPositive(double value)
-{
+bool isPositive(double value) {
   return value > 0 && std::isfinite(value);
 }
 
 }  // namespace
 
-void
-SLIMSmootherBase::warnUnused(const char* setter)
-{
+void SLIMSmootherBase::warnUnused(const char* setter) {
   if (warned_) return;
   warned_ = true;
   PCL_WARN(
@@ -219,36 +201,26 @@ SLIMSmootherBase::warnUnused(const char* setter)
       setter);
 }
 
-void
-SLIMSmootherBase::setSqrGaussParam(double value)
-{
+void SLIMSmootherBase::setSqrGaussParam(double value) {
   sqr_gauss_param_ = value;
   warnUnused("setSqrGaussParam");
 }
 
-double
-SLIMSmootherBase::getSqrGaussParam() const
-{
+double SLIMSmootherBase::getSqrGaussParam() const {
   return sqr_gauss_param_ > 0 ? sqr_gauss_param_ : search_radius_ * search_radius_;
 }
 
-void
-SLIMSmootherBase::setCacheMLSResults(bool cache)
-{
+void SLIMSmootherBase::setCacheMLSResults(bool cache) {
   cache_results_ = cache;
   if (cache) warnUnused("setCacheMLSResults");
 }
 
-void
-SLIMSmootherBase::setProjectionMethod(pcl::MLSResult::ProjectionMethod method)
-{
+void SLIMSmootherBase::setProjectionMethod(pcl::MLSResult::ProjectionMethod method) {
   projection_method_ = method;
   warnUnused("setProjectionMethod");
 }
 
-Error
-SLIMSmootherBase::checkSmoother(bool has_distinct) const
-{
+Error SLIMSmootherBase::checkSmoother(bool has_distinct) const {
   if (!(search_radius_ >= 0) || !std::isfinite(search_radius_))
     return {ErrorCode::kBadArgument, "the search radius must not be negative (0: none)"};
   if (curvature_ == kSurfaceVariation && search_radius_ == 0) {
@@ -276,10 +248,8 @@ SLIMSmootherBase::checkSmoother(bool has_distinct) const
   return {ErrorCode::kBadArgument, "the upsampling method is none of the five; name one"};
 }
 
-std::vector<SLIMSmootherBase::CommonBytes>
-SLIMSmootherBase::commonFields(const std::vector<pcl::PCLPointField>& from,
-                               const std::vector<pcl::PCLPointField>& to)
-{
+std::vector<SLIMSmootherBase::CommonBytes> SLIMSmootherBase::commonFields(
+    const std::vector<pcl::PCLPointField>& from, const std::vector<pcl::PCLPointField>& to) {
   const auto isColor = [](const std::string& name) { return name == "rgb" || name == "rgba"; };
   std::vector<CommonBytes> copies;
   for (const pcl::PCLPointField& a : from) {
@@ -288,8 +258,8 @@ SLIMSmootherBase::commonFields(const std::vector<pcl::PCLPointField>& from,
       if (!same && !(isColor(a.name) && isColor(b.name))) continue;
       const CommonBytes field{a.offset, b.offset, scalarSize(a.datatype) * a.count};
       CommonBytes* last = copies.empty() ? nullptr : &copies.back();
-      const bool adjoins = last && last->from + last->count == field.from &&
-                           last->to + last->count == field.to;
+      const bool adjoins =
+          last && last->from + last->count == field.from && last->to + last->count == field.to;
       if (adjoins)
         last->count += field.count;
       else
@@ -299,9 +269,7 @@ SLIMSmootherBase::commonFields(const std::vector<pcl::PCLPointField>& from,
   return copies;
 }
 
-void
-SLIMSmootherBase::complain() const
-{
+void SLIMSmootherBase::complain() const {
   if (error_ && error_.code != ErrorCode::kCancelled)
     PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
   if (!getWarning().empty()) {
@@ -310,16 +278,13 @@ SLIMSmootherBase::complain() const
   }
 }
 
-double
-SLIMSmootherBase::noiseOf(const SLIMSurface& surface)
-{
+double SLIMSmootherBase::noiseOf(const SLIMSurface& surface) {
   const double sigma = surface.info.diagonal * surface.info.scale;
   return surface.info.lambda * sigma * sigma;
 }
 
-bool
-SLIMSmootherBase::smooth(const CloudView& points, bool curvature, CloudProjection& projection)
-{
+bool SLIMSmootherBase::smooth(const CloudView& points, bool curvature,
+                              CloudProjection& projection) {
   const FitParams own = params_;
   const int degree = *own.resolved().degree;
   const double radii = degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
@@ -345,17 +310,13 @@ struct SLIMSmootherBase::Candidates {
                  const std::vector<std::array<double, 2>>& steps);
 };
 
-void
-SLIMSmootherBase::Candidates::add(std::size_t from, const std::array<double, 3>& place)
-{
+void SLIMSmootherBase::Candidates::add(std::size_t from, const std::array<double, 3>& place) {
   source.push_back(static_cast<std::uint32_t>(from));
   xyz.insert(xyz.end(), place.begin(), place.end());
 }
 
 /** Moves candidates to their projection, and drops those without support. */
-void
-SLIMSmootherBase::Candidates::keep(const CloudProjection& projection)
-{
+void SLIMSmootherBase::Candidates::keep(const CloudProjection& projection) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < source.size(); ++i) {
     if (!projection.isSupported(i)) continue;
@@ -372,10 +333,8 @@ SLIMSmootherBase::Candidates::keep(const CloudProjection& projection)
 }
 
 /** Adds places in the tangent plane of an input point's foot. */
-void
-SLIMSmootherBase::Candidates::addAround(const CloudProjection& own, std::size_t from,
-                                        const std::vector<std::array<double, 2>>& steps)
-{
+void SLIMSmootherBase::Candidates::addAround(const CloudProjection& own, std::size_t from,
+                                             const std::vector<std::array<double, 2>>& steps) {
   const ProjectedPoint foot = own.point(from);
   const auto& n = foot.normal;
   const LocalFrame t({n[0], n[1], n[2]});
@@ -386,10 +345,8 @@ SLIMSmootherBase::Candidates::addAround(const CloudProjection& own, std::size_t 
   }
 }
 
-void
-SLIMSmootherBase::sampleAround(const CloudView& points, const CloudProjection& own,
-                               Candidates& candidates) const
-{
+void SLIMSmootherBase::sampleAround(const CloudView& points, const CloudProjection& own,
+                                    Candidates& candidates) const {
   const bool by_density = upsampling_ == RANDOM_UNIFORM_DENSITY;
   const auto grid = by_density ? std::vector<std::array<double, 2>>()
                                : discGrid(upsampling_radius_, upsampling_step_);
@@ -409,10 +366,8 @@ SLIMSmootherBase::sampleAround(const CloudView& points, const CloudProjection& o
   }
 }
 
-bool
-SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
-                          const CloudView& distinct, Candidates& candidates)
-{
+bool SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
+                               const CloudView& distinct, Candidates& candidates) {
   if (upsampling_ == SAMPLE_LOCAL_PLANE || upsampling_ == RANDOM_UNIFORM_DENSITY) {
     sampleAround(points, own, candidates);
     return true;
@@ -432,11 +387,9 @@ SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
   return true;
 }
 
-bool
-SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature,
-                                    const CloudProjection& own, const CloudView& distinct,
-                                    Candidates& candidates, CloudProjection& projection)
-{
+bool SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature,
+                                         const CloudProjection& own, const CloudView& distinct,
+                                         Candidates& candidates, CloudProjection& projection) {
   if (!collect(points, own, distinct, candidates)) return false;
   if (candidates.source.empty()) return true;
   candidates.normals.resize(candidates.xyz.size(), 0.0f);
@@ -468,10 +421,8 @@ SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature,
   return projectMore(view, params, projection);
 }
 
-ProjectedPoint
-SLIMSmootherBase::upsampled(const Candidates& candidates, const CloudProjection& projection,
-                            std::size_t i) const
-{
+ProjectedPoint SLIMSmootherBase::upsampled(const Candidates& candidates,
+                                           const CloudProjection& projection, std::size_t i) const {
   ProjectedPoint point = projection.point(i);
   const float* normal = candidates.normals.data() + 3 * i;
   const float along =
@@ -483,9 +434,7 @@ SLIMSmootherBase::upsampled(const Candidates& candidates, const CloudProjection&
   return point;
 }
 
-float
-SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const
-{
+float SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const {
   const double mean = point.mean_curvature, gaussian = point.gaussian_curvature;
   const double half_gap = std::sqrt(std::max(0.0, mean * mean - gaussian));
   switch (curvature_) {
@@ -506,9 +455,7 @@ SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const
   return static_cast<float>(least / (heights + 2 * tangential));
 }
 
-bool
-SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense)
-{
+bool SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense) {
   corresponding_.reset();
   dense = true;
   try {
@@ -535,17 +482,14 @@ SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense)
 
 /** Writes three numbers or one into a field, if the points have it. */
 template <std::size_t N>
-static void
-setField(const std::array<float, N>& values, std::size_t offset, unsigned char* to)
-{
+static void setField(const std::array<float, N>& values, std::size_t offset, unsigned char* to) {
   if (offset != static_cast<std::size_t>(-1))
     std::memcpy(to + offset, values.data(), sizeof(values));
 }
 
 /** Writes place, normal and curvature. */
-void
-SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target, unsigned char* to) const
-{
+void SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target,
+                           unsigned char* to) const {
   const auto& p = point.position;
   setField<3>({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])},
               target.position, to);
@@ -554,10 +498,8 @@ SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target, unsigne
   if (target.curvature != kNoField) setField<1>({curvatureOf(point)}, target.curvature, to);
 }
 
-void
-SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
-                        const Target& target)
-{
+void SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
+                             const Target& target) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = projection.size();
   unsigned char* const points = target.resize(count);
@@ -578,10 +520,8 @@ SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
   });
 }
 
-void
-SLIMSmootherBase::upsample(const Source& source, const CloudView& view, const CloudProjection& own,
-                           const Target& target)
-{
+void SLIMSmootherBase::upsample(const Source& source, const CloudView& view,
+                                const CloudProjection& own, const Target& target) {
   Candidates candidates;
   CloudProjection projection;
   const bool curvature = compute_normals_ && target.curvature != kNoField;

@@ -27,9 +27,7 @@ constexpr std::size_t kWholeNumbers = 2;  ///< of the columns, the last ones
 constexpr std::size_t kNumColumns = sizeof(kColumns) / sizeof(kColumns[0]);
 
 /** Whether float keeps vertices where they are. */
-bool
-floatsSuffice(const CrestLines& lines)
-{
+bool floatsSuffice(const CrestLines& lines) {
   double farthest = 0, length = 0;
   for (const auto& p : lines.position) {
     for (const double value : p) farthest = std::max(farthest, std::abs(value));
@@ -40,17 +38,13 @@ floatsSuffice(const CrestLines& lines)
 }
 
 template <typename T>
-void
-put(std::uint8_t*& at, T value)
-{
+void put(std::uint8_t*& at, T value) {
   std::memcpy(at, &value, sizeof(value));
   at += sizeof(value);
 }
 
 /** Everything behind a vertex's coordinates. */
-void
-putRest(const CrestLines& lines, std::size_t line, std::size_t v, std::uint8_t*& at)
-{
+void putRest(const CrestLines& lines, std::size_t line, std::size_t v, std::uint8_t*& at) {
   for (const auto* vector : {&lines.normal[v], &lines.tangent[v]}) {
     for (const float value : *vector) put(at, value);
   }
@@ -64,9 +58,7 @@ putRest(const CrestLines& lines, std::size_t line, std::size_t v, std::uint8_t*&
 
 }  // namespace
 
-void
-toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud)
-{
+void toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud) {
   cloud = pcl::PointCloud<PointCrest>();
   cloud.reserve(lines.numVertices());
   for (std::size_t line = 0; line < lines.numLines(); ++line) {
@@ -90,9 +82,7 @@ toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud)
   }
 }
 
-PointFile
-toPointFile(const CrestLines& lines)
-{
+PointFile toPointFile(const CrestLines& lines) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   const bool narrow = floatsSuffice(lines);
@@ -135,8 +125,7 @@ struct Axes {
 
   explicit Axes(const CrestView& view)
       : right(normalized(cross(view.up, view.toward_viewer))),
-        toward(normalized(view.toward_viewer))
-  {
+        toward(normalized(view.toward_viewer)) {
     up = cross(toward, right);
   }
   /** Right, up and towards the viewer. */
@@ -146,8 +135,7 @@ struct Axes {
 struct Frame {
   double low[2] = {0, 0}, high[2] = {0, 0};
 
-  void add(const Vector3& p, double reach)
-  {
+  void add(const Vector3& p, double reach) {
     for (std::size_t a = 0; a < 2; ++a) {
       low[a] = empty ? p[a] - reach : std::min(low[a], p[a] - reach);
       high[a] = empty ? p[a] + reach : std::max(high[a], p[a] + reach);
@@ -162,8 +150,7 @@ struct Frame {
 /** The depth of what is foremost, on a grid of the picture. */
 class DepthMap {
  public:
-  DepthMap(const SLIMSurface& surface, const Axes& axes, const Frame& frame) : frame_(frame)
-  {
+  DepthMap(const SLIMSurface& surface, const Axes& axes, const Frame& frame) : frame_(frame) {
     std::vector<float> radii;
     for (std::size_t i = 0; i < surface.size(); ++i) {
       if (surface.isLeaf(i)) radii.push_back(surface.radius[i]);
@@ -179,8 +166,7 @@ class DepthMap {
   }
 
   /** Whether the surface well in front of a vertex hides it. */
-  bool hides(const Vector3& p, double radius, double facing) const
-  {
+  bool hides(const Vector3& p, double radius, double facing) const {
     const std::size_t at = index(p);
     if (at >= depth_.size()) return false;
     const double slope = std::min(kSteepest, 1 / std::max(std::abs(facing), 1e-3));
@@ -188,8 +174,7 @@ class DepthMap {
   }
 
  private:
-  std::size_t index(const Vector3& p) const
-  {
+  std::size_t index(const Vector3& p) const {
     const double x = (p[0] - frame_.low[0]) / cell_, y = (p[1] - frame_.low[1]) / cell_;
     if (!(x >= 0 && y >= 0 && x < static_cast<double>(columns_) &&
           y < static_cast<double>(rows_))) {
@@ -198,8 +183,7 @@ class DepthMap {
     return static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x);
   }
 
-  void draw(const SLIMSurface& surface, std::size_t i, const Axes& axes)
-  {
+  void draw(const SLIMSurface& surface, std::size_t i, const Axes& axes) {
     const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
     const Vector3 c = {surface.cx[i], surface.cy[i], surface.cz[i]};
     const double r = surface.radius[i];
@@ -223,9 +207,7 @@ class DepthMap {
   std::vector<double> depth_;
 };
 
-void
-appendNumber(std::string& text, const char* format, double value)
-{
+void appendNumber(std::string& text, const char* format, double value) {
   char digits[64];
   std::snprintf(digits, sizeof(digits), format, value);
   std::replace(digits, digits + sizeof(digits), ',', '.');  // independent of the locale
@@ -237,13 +219,10 @@ class Painter {
  public:
   Painter(const CrestLines& lines, const Axes& axes, const Frame& frame, const DepthMap* map,
           double zoom)
-      : lines_(lines), axes_(axes), frame_(frame), map_(map), zoom_(zoom)
-  {
-  }
+      : lines_(lines), axes_(axes), frame_(frame), map_(map), zoom_(zoom) {}
 
   /** \param[in] color 0: what shows as a ridge, 1: as a ravine. */
-  std::string paths(std::size_t line, std::size_t color) const
-  {
+  std::string paths(std::size_t line, std::size_t color) const {
     std::string text;
     const std::size_t begin = lines_.line_begin[line], n = lines_.line_begin[line + 1] - begin;
     bool drawing = false;
@@ -273,9 +252,7 @@ class Painter {
   double zoom_;
 };
 
-Frame
-frameOf(const CrestLines& lines, const CrestView& view, const Axes& axes)
-{
+Frame frameOf(const CrestLines& lines, const CrestView& view, const Axes& axes) {
   Frame frame;
   for (const auto& p : lines.position) frame.add(axes(p), 0);
   if (view.surface == nullptr) return frame;
@@ -290,9 +267,7 @@ frameOf(const CrestLines& lines, const CrestView& view, const Axes& axes)
 
 }  // namespace
 
-std::string
-crestSvg(const CrestLines& lines, const CrestView& view)
-{
+std::string crestSvg(const CrestLines& lines, const CrestView& view) {
   const Axes axes(view);
   const Frame frame = frameOf(lines, view, axes);
   const double zoom = view.width / frame.side();
@@ -322,9 +297,7 @@ crestSvg(const CrestLines& lines, const CrestView& view)
 
 namespace {
 
-Error
-saveCrestPly(const std::string& path, const CrestLines& lines)
-{
+Error saveCrestPly(const std::string& path, const CrestLines& lines) {
   Result<std::vector<unsigned char>> made = formatPly(toPointFile(lines));
   if (!made) return made.error();
   std::vector<unsigned char>& bytes = *made;
@@ -349,9 +322,7 @@ saveCrestPly(const std::string& path, const CrestLines& lines)
 
 }  // namespace
 
-Error
-checkCrestExtension(const std::string& path)
-{
+Error checkCrestExtension(const std::string& path) {
   const std::string extension = lowerExtension(path);
   for (const char* known : {".vtp", ".ply", ".pcd", ".svg"}) {
     if (extension == known) return {};
@@ -359,9 +330,7 @@ checkCrestExtension(const std::string& path)
   return {ErrorCode::kBadArgument, "'" + path + "' must be named .vtp, .ply, .pcd or .svg"};
 }
 
-Error
-saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view)
-{
+Error saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view) {
   if (Error error = checkCrestExtension(path)) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".vtp") return saveCrestVtp(path, lines);

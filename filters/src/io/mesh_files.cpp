@@ -28,9 +28,7 @@ constexpr double kShareOfEdge = 1e-3;
 
 }  // namespace
 
-double
-floatErrorOf(const TriangleMesh& mesh)
-{
+double floatErrorOf(const TriangleMesh& mesh) {
   double farthest = 0, edges = 0;
   for (const Vector3& p : mesh.vertices) {
     for (const double x : p) farthest = std::max(farthest, std::abs(x));
@@ -44,9 +42,7 @@ floatErrorOf(const TriangleMesh& mesh)
 namespace {
 
 /** Whether float keeps vertices where they are. */
-bool
-floatsSuffice(const TriangleMesh& mesh)
-{
+bool floatsSuffice(const TriangleMesh& mesh) {
   return floatErrorOf(mesh) <= kShareOfEdge;
 }
 
@@ -57,16 +53,12 @@ struct MeshColumns {
 };
 
 template <typename T>
-void
-put(T value, std::uint8_t*& at)
-{
+void put(T value, std::uint8_t*& at) {
   std::memcpy(at, &value, sizeof(value));
   at += sizeof(value);
 }
 
-void
-addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPointCloud2& cloud)
-{
+void addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPointCloud2& cloud) {
   const auto place = columns.narrow ? kFloat32 : kFloat64;
   for (const char* name : {"x", "y", "z"}) addField(cloud, name, place);
   for (const char* name : {"normal_x", "normal_y", "normal_z"}) {
@@ -79,9 +71,7 @@ addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPointClo
 }
 
 /** Vertices as points, with colours if there are any, and triangles as faces. */
-PointFile
-toPointFile(const TriangleMesh& mesh, const MeshColumns& columns)
-{
+PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   addFields(mesh, columns, cloud);
@@ -117,9 +107,7 @@ toPointFile(const TriangleMesh& mesh, const MeshColumns& columns)
 
 }  // namespace
 
-pcl::PolygonMesh
-toPolygonMesh(const TriangleMesh& mesh, bool curvature)
-{
+pcl::PolygonMesh toPolygonMesh(const TriangleMesh& mesh, bool curvature) {
   pcl::PolygonMesh made;
   made.cloud = toPointFile(mesh, {true, curvature}).cloud;
   made.cloud.is_dense = 1;
@@ -127,9 +115,7 @@ toPolygonMesh(const TriangleMesh& mesh, bool curvature)
   return made;
 }
 
-std::vector<pcl::Vertices>
-polygonsOf(const TriangleMesh& mesh)
-{
+std::vector<pcl::Vertices> polygonsOf(const TriangleMesh& mesh) {
   std::vector<pcl::Vertices> polygons(mesh.triangles.size());
   for (std::size_t t = 0; t < polygons.size(); ++t) {
     polygons[t].vertices.assign(mesh.triangles[t].begin(), mesh.triangles[t].end());
@@ -141,9 +127,7 @@ namespace {
 
 // Wavefront .obj and binary .stl.
 
-std::string
-formatObj(const TriangleMesh& mesh)
-{
+std::string formatObj(const TriangleMesh& mesh) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   // Nine digits represent a float exactly, seventeen a double.
@@ -166,9 +150,7 @@ formatObj(const TriangleMesh& mesh)
   return text.str();
 }
 
-std::vector<unsigned char>
-formatStl(const TriangleMesh& mesh)
-{
+std::vector<unsigned char> formatStl(const TriangleMesh& mesh) {
   constexpr std::size_t kHeader = 80, kFacet = 50;
   std::vector<unsigned char> bytes(kHeader + 4 + kFacet * mesh.triangles.size(), 0);
   std::memcpy(bytes.data(), "pcl_slim", 8);
@@ -192,14 +174,13 @@ formatStl(const TriangleMesh& mesh)
   return bytes;
 }
 
-// glTF 2.0, binary form: a chunk of JSON, then one of numbers (Khronos, glTF 2.0 Specification, 4.4).
+// glTF 2.0, binary form: a chunk of JSON, then one of numbers (Khronos, glTF 2.0 Specification,
+// 4.4).
 
 enum ComponentType { kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum Target { kArrayBuffer = 34962, kElementArrayBuffer = 34963 };
 
-std::string
-numbersOf(const float (&values)[3])
-{
+std::string numbersOf(const float (&values)[3]) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(9);
@@ -213,8 +194,7 @@ class GlbBuffer {
   /** Appends numbers. \param[in] rest more of the accessor's JSON, from a comma on. */
   template <typename T>
   void add(const std::vector<T>& numbers, ComponentType type, const char* shape, std::size_t count,
-           Target target, const std::string& rest)
-  {
+           Target target, const std::string& rest) {
     const std::size_t size = numbers.size() * sizeof(T), begin = bytes.size();
     bytes.resize(begin + size);
     if (size > 0) std::memcpy(bytes.data() + begin, numbers.data(), size);
@@ -234,9 +214,7 @@ class GlbBuffer {
 };
 
 /** The middle of the box about a mesh, in floats. */
-std::array<float, 3>
-middleOf(const TriangleMesh& mesh)
-{
+std::array<float, 3> middleOf(const TriangleMesh& mesh) {
   std::array<float, 3> middle{};
   for (std::size_t a = 0; a < 3; ++a) {
     double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
@@ -249,9 +227,7 @@ middleOf(const TriangleMesh& mesh)
   return middle;
 }
 
-void
-addPositions(const TriangleMesh& mesh, const std::array<float, 3>& middle, GlbBuffer& buffer)
-{
+void addPositions(const TriangleMesh& mesh, const std::array<float, 3>& middle, GlbBuffer& buffer) {
   std::vector<float> values;
   values.reserve(3 * mesh.vertices.size());
   constexpr float kMost = std::numeric_limits<float>::max();
@@ -269,15 +245,11 @@ addPositions(const TriangleMesh& mesh, const std::array<float, 3>& middle, GlbBu
 }
 
 /** glTF's vertex colours are linear: sixteen bits keep the darks of eight bits of sRGB apart. */
-std::uint16_t
-linearOf(std::uint8_t c)
-{
+std::uint16_t linearOf(std::uint8_t c) {
   return static_cast<std::uint16_t>(std::lround(linearFromSrgb(c / 255.0) * 65535));
 }
 
-void
-addColors(const TriangleMesh& mesh, GlbBuffer& buffer)
-{
+void addColors(const TriangleMesh& mesh, GlbBuffer& buffer) {
   std::vector<std::uint16_t> values;
   values.reserve(4 * mesh.colors.size());
   for (const auto& color : mesh.colors) {
@@ -288,9 +260,7 @@ addColors(const TriangleMesh& mesh, GlbBuffer& buffer)
              ",\"normalized\":true");
 }
 
-std::string
-headerOf(const GlbBuffer& buffer, const std::array<float, 3>& middle, bool colors)
-{
+std::string headerOf(const GlbBuffer& buffer, const std::array<float, 3>& middle, bool colors) {
   const float translation[3] = {middle[0], middle[1], middle[2]};
   return "{\"asset\":{\"version\":\"2.0\",\"generator\":\"pcl_slim\"},\"scene\":0,"
          "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":" +
@@ -304,18 +274,14 @@ headerOf(const GlbBuffer& buffer, const std::array<float, 3>& middle, bool color
          buffer.views + "],\"accessors\":[" + buffer.accessors + "]}";
 }
 
-void
-putWord(std::uint32_t word, std::vector<unsigned char>& bytes)
-{
+void putWord(std::uint32_t word, std::vector<unsigned char>& bytes) {
   for (int shift = 0; shift < 32; shift += 8) {
     bytes.push_back(static_cast<unsigned char>(word >> shift & 0xffu));
   }
 }
 
 /** An error for a mesh too large for the 32-bit lengths of the format. */
-Result<std::vector<unsigned char>>
-formatGlb(const TriangleMesh& mesh)
-{
+Result<std::vector<unsigned char>> formatGlb(const TriangleMesh& mesh) {
   const std::array<float, 3> middle = middleOf(mesh);
   GlbBuffer buffer;
   addPositions(mesh, middle, buffer);
@@ -348,9 +314,7 @@ formatGlb(const TriangleMesh& mesh)
 
 }  // namespace
 
-Error
-checkMeshExtension(const std::string& path)
-{
+Error checkMeshExtension(const std::string& path) {
   const std::string extension = lowerExtension(path);
   if (extension == ".vtp") return checkVtp(path);
   for (const char* known : {".ply", ".obj", ".stl", ".glb"}) {
@@ -359,9 +323,7 @@ checkMeshExtension(const std::string& path)
   return {ErrorCode::kBadArgument, "'" + path + "' must be named .ply, .obj, .stl, .glb or .vtp"};
 }
 
-Error
-saveMesh(const std::string& path, const TriangleMesh& mesh)
-{
+Error saveMesh(const std::string& path, const TriangleMesh& mesh) {
   if (Error error = checkMeshExtension(path)) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".ply")

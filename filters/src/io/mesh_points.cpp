@@ -30,9 +30,7 @@ struct MeshPoints {
   void endFace();
 };
 
-Error
-checkMesh(const MeshPoints& mesh, const std::string& format)
-{
+Error checkMesh(const MeshPoints& mesh, const std::string& format) {
   const std::size_t n = mesh.positions.size();
   if (n > 0xfffffffeu || mesh.face_vertices.size() > 0xffffffffu)
     return badInput("the " + format + " file has more than 2^32 - 2 vertices or corners; split it");
@@ -45,9 +43,7 @@ checkMesh(const MeshPoints& mesh, const std::string& format)
   return {};
 }
 
-void
-layOut(const MeshPoints& mesh, pcl::PCLPointCloud2& cloud)
-{
+void layOut(const MeshPoints& mesh, pcl::PCLPointCloud2& cloud) {
   for (const char* axis : {"x", "y", "z"})
     addField(cloud, axis, mesh.in_float ? kFloat32 : kFloat64);
   if (!mesh.normals.empty()) {
@@ -61,18 +57,14 @@ layOut(const MeshPoints& mesh, pcl::PCLPointCloud2& cloud)
   cloud.data.resize(cloud.point_step * n);
 }
 
-void
-MeshPoints::endFace()
-{
+void MeshPoints::endFace() {
   if (face_begin.empty()) face_begin.push_back(0);
   face_begin.push_back(static_cast<std::uint32_t>(face_vertices.size()));
 }
 
-/** The file: x y z, normal_x normal_y normal_z, rgb. \return an error for a face that names a vertex that
- * is not there. \param[in] format as errors call it: "OBJ". */
-Result<PointFile>
-toPointFile(const MeshPoints& mesh, const char* format)
-{
+/** The file: x y z, normal_x normal_y normal_z, rgb. \return an error for a face that names a
+ * vertex that is not there. \param[in] format as errors call it: "OBJ". */
+Result<PointFile> toPointFile(const MeshPoints& mesh, const char* format) {
   if (Error error = checkMesh(mesh, format)) return error;
   PointFile file;
   layOut(mesh, file.cloud);
@@ -105,8 +97,7 @@ class Words {
  public:
   Words(const char* at, const char* end) : at_(at), end_(end) {}
 
-  bool next(const char*& begin, const char*& end)
-  {
+  bool next(const char*& begin, const char*& end) {
     while (at_ != end_ && isBlank(*at_)) ++at_;
     begin = at_;
     while (at_ != end_ && !isBlank(*at_)) ++at_;
@@ -122,9 +113,7 @@ class Words {
 };
 
 /** A number of a corner, counted from 1, or back from the last if negative. */
-std::int64_t
-indexOf(const char* begin, const char* end, std::size_t count)
-{
+std::int64_t indexOf(const char* begin, const char* end, std::size_t count) {
   std::int64_t index = 0;
   const auto [stop, code] = std::from_chars(begin, end, index);
   if (code != std::errc() || stop != end || index == 0) return kNone;
@@ -134,12 +123,10 @@ indexOf(const char* begin, const char* end, std::size_t count)
 
 class ObjReader {
  public:
-  explicit ObjReader(const std::vector<unsigned char>& bytes) : scanner_(bytes.data(), bytes.size())
-  {
-  }
+  explicit ObjReader(const std::vector<unsigned char>& bytes)
+      : scanner_(bytes.data(), bytes.size()) {}
 
-  Result<PointFile> read()
-  {
+  Result<PointFile> read() {
     std::string line, more;
     for (number_ = 1; scanner_.nextLine(line); ++number_) {
       while (!line.empty() && line.back() == '\\' && scanner_.nextLine(more)) {
@@ -159,13 +146,11 @@ class ObjReader {
   }
 
  private:
-  Error bad(const std::string& what) const
-  {
+  Error bad(const std::string& what) const {
     return badInput("line " + std::to_string(number_) + " of the OBJ file " + what + "; mend it");
   }
 
-  Error takeLine(const std::string& line)
-  {
+  Error takeLine(const std::string& line) {
     Words words(line.data(), line.data() + line.size());
     const char *begin = nullptr, *end = nullptr;
     if (!words.next(begin, end) || *begin == '#') return {};
@@ -181,8 +166,7 @@ class ObjReader {
   }
 
   /** Reads up to most numbers. \return how many there are, or -1 where a word is none. */
-  static int numbers(Words& words, int most, double* values, bool& in_float)
-  {
+  static int numbers(Words& words, int most, double* values, bool& in_float) {
     const char *begin = nullptr, *end = nullptr;
     int count = 0;
     while (count < most && words.next(begin, end)) {
@@ -191,8 +175,7 @@ class ObjReader {
     return count;
   }
 
-  Error takeVertex(Words& words)
-  {
+  Error takeVertex(Words& words) {
     double v[7];
     const char *begin = nullptr, *end = nullptr;
     bool ignored = false;
@@ -211,8 +194,7 @@ class ObjReader {
     return {};
   }
 
-  Error takeNormal(Words& words)
-  {
+  Error takeNormal(Words& words) {
     double v[3];
     bool ignored = false;
     if (numbers(words, 3, v, ignored) != 3) return bad("has no three components");
@@ -222,8 +204,7 @@ class ObjReader {
   }
 
   /** A corner: vertex, vertex/texture, vertex//normal or vertex/texture/normal. */
-  Error takeCorner(const char* begin, const char* end)
-  {
+  Error takeCorner(const char* begin, const char* end) {
     const char* slash = std::find(begin, end, '/');
     const std::int64_t vertex = indexOf(begin, slash, mesh_.positions.size());
     if (vertex == kNone) return bad("names a vertex that is not there");
@@ -236,8 +217,7 @@ class ObjReader {
     return {};
   }
 
-  Error takeFace(Words& words)
-  {
+  Error takeFace(Words& words) {
     const char *begin = nullptr, *end = nullptr;
     while (words.next(begin, end)) {
       if (Error error = takeCorner(begin, end)) return error;
@@ -247,8 +227,7 @@ class ObjReader {
   }
 
   /** Normals of vertices: those that faces give them, or one a vertex where no face names any. */
-  void spreadNormals()
-  {
+  void spreadNormals() {
     if (uses_.empty()) {
       if (normals_.size() == mesh_.positions.size()) mesh_.normals = normals_;
       return;
@@ -274,18 +253,14 @@ class ObjReader {
 
 }  // namespace
 
-Result<PointFile>
-parseObj(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseObj(const std::vector<unsigned char>& bytes) {
   return ObjReader(bytes).read();
 }
 
 namespace {
 
 /** The words of a file without its comments. */
-std::vector<unsigned char>
-withoutComments(std::vector<unsigned char> bytes)
-{
+std::vector<unsigned char> withoutComments(std::vector<unsigned char> bytes) {
   bool comment = false;
   for (unsigned char& c : bytes) {
     if (c == '#') comment = true;
@@ -297,12 +272,10 @@ withoutComments(std::vector<unsigned char> bytes)
 
 class OffReader {
  public:
-  explicit OffReader(const std::vector<unsigned char>& bytes) : scanner_(bytes.data(), bytes.size())
-  {
-  }
+  explicit OffReader(const std::vector<unsigned char>& bytes)
+      : scanner_(bytes.data(), bytes.size()) {}
 
-  Result<PointFile> read()
-  {
+  Result<PointFile> read() {
     if (Error error = readHead()) return error;
     for (std::size_t i = 0; i < vertices_; ++i) {
       if (Error error = readVertex(i)) return error;
@@ -320,8 +293,7 @@ class OffReader {
 
  private:
   /** A line that is not blank. */
-  bool nextLine(std::vector<std::string>& words)
-  {
+  bool nextLine(std::vector<std::string>& words) {
     std::string line;
     do {
       if (!scanner_.nextLine(line)) return false;
@@ -330,13 +302,11 @@ class OffReader {
     return true;
   }
 
-  static bool parseNumber(const std::string& word, double& value, bool& in_float)
-  {
+  static bool parseNumber(const std::string& word, double& value, bool& in_float) {
     return parseDecimal(word.data(), word.data() + word.size(), value, in_float);
   }
 
-  Error readHead()
-  {
+  Error readHead() {
     std::vector<std::string> words;
     std::string key = nextLine(words) ? words[0] : "";
     normals_ = key == "NOFF" || key == "CNOFF";
@@ -359,14 +329,12 @@ class OffReader {
     return {};
   }
 
-  static Error truncated(const std::string& what, std::size_t have, std::size_t want)
-  {
+  static Error truncated(const std::string& what, std::size_t have, std::size_t want) {
     return badInput("the OFF file is truncated: " + std::to_string(have) + " of " +
                     std::to_string(want) + " " + what + "; copy it again");
   }
 
-  Error readVertex(std::size_t i)
-  {
+  Error readVertex(std::size_t i) {
     std::vector<std::string> words;
     if (!nextLine(words)) return truncated("vertices", i, vertices_);
     std::array<double, 10> v{};
@@ -389,8 +357,7 @@ class OffReader {
     return {};
   }
 
-  Error readFace(std::size_t i)
-  {
+  Error readFace(std::size_t i) {
     std::vector<std::string> words;
     if (!nextLine(words)) return truncated("faces", i, faces_);
     double corners = 0, vertex = 0;
@@ -411,8 +378,7 @@ class OffReader {
     return {};
   }
 
-  std::uint8_t byteOf(double value) const
-  {
+  std::uint8_t byteOf(double value) const {
     const double share = value / white_;
     return share > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(share, 1.0)))
                      : std::uint8_t{0};
@@ -428,9 +394,7 @@ class OffReader {
 
 }  // namespace
 
-Result<PointFile>
-parseOff(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseOff(const std::vector<unsigned char>& bytes) {
   return OffReader(withoutComments(bytes)).read();
 }
 
@@ -439,8 +403,7 @@ namespace {
 constexpr std::size_t kHeadBytes = 84, kFacetBytes = 50;
 
 struct PlaceHash {
-  std::size_t operator()(const std::array<double, 3>& p) const
-  {
+  std::size_t operator()(const std::array<double, 3>& p) const {
     return static_cast<std::size_t>(placeHash(p));
   }
 };
@@ -450,8 +413,7 @@ class VertexJoiner {
  public:
   explicit VertexJoiner(MeshPoints& mesh) : mesh_(mesh) {}
 
-  void add(const std::array<double, 3>& p)
-  {
+  void add(const std::array<double, 3>& p) {
     const auto [entry, is_new] =
         index_.try_emplace(p, static_cast<std::uint32_t>(mesh_.positions.size()));
     if (is_new) mesh_.positions.push_back(p);
@@ -463,9 +425,7 @@ class VertexJoiner {
   std::unordered_map<std::array<double, 3>, std::uint32_t, PlaceHash> index_;
 };
 
-Result<PointFile>
-parseBinary(const std::vector<unsigned char>& bytes, std::size_t facets)
-{
+Result<PointFile> parseBinary(const std::vector<unsigned char>& bytes, std::size_t facets) {
   MeshPoints mesh;
   VertexJoiner vertices(mesh);
   bool has_attributes = false;
@@ -482,9 +442,7 @@ parseBinary(const std::vector<unsigned char>& bytes, std::size_t facets)
   return file;
 }
 
-Result<PointFile>
-parseAscii(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseAscii(const std::vector<unsigned char>& bytes) {
   MeshPoints mesh;
   VertexJoiner vertices(mesh);
   TextScanner scanner(bytes.data(), bytes.size());
@@ -522,14 +480,13 @@ parseAscii(const std::vector<unsigned char>& bytes)
 
 }  // namespace
 
-Result<PointFile>
-parseStl(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseStl(const std::vector<unsigned char>& bytes) {
   std::uint32_t facets = 0;
   if (bytes.size() >= kHeadBytes) std::memcpy(&facets, bytes.data() + 80, sizeof(facets));
   const std::size_t there =
       bytes.size() >= kHeadBytes ? (bytes.size() - kHeadBytes) / kFacetBytes : 0;
-  // Binary files may start with "solid", too; only those have the size that follows from their count.
+  // Binary files may start with "solid", too; only those have the size that follows from their
+  // count.
   if (bytes.size() >= kHeadBytes &&
       bytes.size() == kHeadBytes + facets * std::uint64_t{kFacetBytes})
     return parseBinary(bytes, facets);

@@ -10,10 +10,8 @@
 
 namespace pcl_slim::detail {
 
-bool
-decodeLzf(const std::uint8_t* packed, std::size_t packed_size, std::uint8_t* plain,
-          std::size_t size)
-{
+bool decodeLzf(const std::uint8_t* packed, std::size_t packed_size, std::uint8_t* plain,
+               std::size_t size) {
   constexpr unsigned int kMostLiterals = 32, kLongMatch = 7;
   std::size_t in = 0, out = 0;
   while (in < packed_size) {
@@ -44,9 +42,7 @@ namespace pcl_slim {
 
 namespace {
 
-bool
-parseCount(const std::string& word, std::size_t& value)
-{
+bool parseCount(const std::string& word, std::size_t& value) {
   std::uint64_t parsed = 0;
   if (!parseScalar(word.data(), word.data() + word.size(), kUInt64,
                    reinterpret_cast<std::uint8_t*>(&parsed))) {
@@ -56,9 +52,7 @@ parseCount(const std::string& word, std::size_t& value)
   return true;
 }
 
-bool
-parseViewpoint(const std::vector<std::string>& words, PointFile& file)
-{
+bool parseViewpoint(const std::vector<std::string>& words, PointFile& file) {
   if (words.size() != 8) return false;
   float v[7];
   for (int i = 0; i < 7; ++i) {
@@ -74,9 +68,7 @@ parseViewpoint(const std::vector<std::string>& words, PointFile& file)
 }
 
 /** One header line that lists something for every field. */
-bool
-parseColumnLine(const std::vector<std::string>& words, PcdHeader& header)
-{
+bool parseColumnLine(const std::vector<std::string>& words, PcdHeader& header) {
   const std::string& key = words[0];
   const std::size_t n = words.size() - 1;
   if (key == "FIELDS" || key == "COLUMNS") {
@@ -96,9 +88,7 @@ parseColumnLine(const std::vector<std::string>& words, PcdHeader& header)
 }
 
 /** Reads one header line. false: it makes no sense. */
-bool
-parseHeaderLine(const std::string& line, PcdHeader& header, PointFile& file)
-{
+bool parseHeaderLine(const std::string& line, PcdHeader& header, PointFile& file) {
   if (!line.empty() && line[0] == '#') {
     const std::size_t text = line.find_first_not_of("# \t");
     const std::string comment = text == std::string::npos ? "" : line.substr(text);
@@ -122,9 +112,7 @@ parseHeaderLine(const std::string& line, PcdHeader& header, PointFile& file)
 
 /** Whether every field has values that are numbers, and a point of them a size that fields can be
  * addressed in. */
-Error
-checkColumns(const std::vector<PcdColumn>& columns)
-{
+Error checkColumns(const std::vector<PcdColumn>& columns) {
   constexpr std::size_t kMostBytes = std::numeric_limits<std::int32_t>::max();
   std::size_t bytes = 0;
   for (const PcdColumn& column : columns) {
@@ -144,9 +132,7 @@ checkColumns(const std::vector<PcdColumn>& columns)
   return {};
 }
 
-Error
-checkHeader(PcdHeader& header)
-{
+Error checkHeader(PcdHeader& header) {
   if (header.columns.empty()) return badInput("the PCD header lists no FIELDS: name x, y and z");
   const auto isPadding = [](const PcdColumn& column) { return column.isPadding(); };
   if (std::all_of(header.columns.begin(), header.columns.end(), isPadding)) {
@@ -168,26 +154,20 @@ checkHeader(PcdHeader& header)
   return checkColumns(header.columns);
 }
 
-char
-typeLetter(std::uint8_t type)
-{
+char typeLetter(std::uint8_t type) {
   if (type == kFloat32 || type == kFloat64) return 'F';
   return type == kInt8 || type == kInt16 || type == kInt32 || type == kInt64 ? 'I' : 'U';
 }
 
 }  // namespace
 
-std::size_t
-PcdHeader::step() const
-{
+std::size_t PcdHeader::step() const {
   std::size_t step = 0;
   for (const PcdColumn& column : columns) step += column.bytes();
   return step;
 }
 
-std::uint8_t
-scalarType(const PcdColumn& column)
-{
+std::uint8_t scalarType(const PcdColumn& column) {
   const std::size_t s = column.size;
   if (column.type == 'F') return s == 4 ? kFloat32 : s == 8 ? kFloat64 : 0;
   if (column.type == 'I') {
@@ -199,9 +179,7 @@ scalarType(const PcdColumn& column)
   return 0;
 }
 
-Error
-parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file)
-{
+Error parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file) {
   TextScanner scanner(bytes.data(), bytes.size());
   int line_number = 0;
   for (std::string line; header.data.empty() && scanner.nextLine(line);) {
@@ -219,9 +197,7 @@ parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, Point
 namespace {
 
 /** Fields and size of the cloud that a header announces; its data stay empty. */
-void
-describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud)
-{
+void describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud) {
   for (const PcdColumn& column : header.columns) {
     if (!column.isPadding()) addField(cloud, column.name, scalarType(column), column.count);
   }
@@ -232,9 +208,7 @@ describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud)
 }
 
 /** The header of a file to write, with binary data. */
-std::string
-formatPcdHeader(const PointFile& file)
-{
+std::string formatPcdHeader(const PointFile& file) {
   const pcl::PCLPointCloud2& cloud = file.cloud;
   std::ostringstream names, sizes, types, counts, out;
   out.imbue(std::locale::classic());
@@ -256,17 +230,13 @@ formatPcdHeader(const PointFile& file)
   return out.str();
 }
 
-Error
-truncated(const std::string& unit, std::size_t have, std::size_t want)
-{
+Error truncated(const std::string& unit, std::size_t have, std::size_t want) {
   return badInput("the PCD file is truncated: " + std::to_string(have) + " of " +
                   std::to_string(want) + " " + unit + "; copy it again");
 }
 
-Error
-readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-          pcl::PCLPointCloud2& cloud)
-{
+Error readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
+                pcl::PCLPointCloud2& cloud) {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
   std::size_t values = 0;
   for (const PcdColumn& column : header.columns) values += column.count;
@@ -294,10 +264,8 @@ readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header
 }
 
 /** Copies columns out of rows (row by row data) or out of column-major data. */
-void
-copyColumns(const PcdHeader& header, const std::uint8_t* source, bool column_major,
-            pcl::PCLPointCloud2& cloud)
-{
+void copyColumns(const PcdHeader& header, const std::uint8_t* source, bool column_major,
+                 pcl::PCLPointCloud2& cloud) {
   const std::size_t file_step = header.step();
   std::size_t file_offset = 0, offset = 0;
   for (const PcdColumn& column : header.columns) {
@@ -313,10 +281,8 @@ copyColumns(const PcdHeader& header, const std::uint8_t* source, bool column_maj
   }
 }
 
-Error
-readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-           pcl::PCLPointCloud2& cloud)
-{
+Error readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
+                 pcl::PCLPointCloud2& cloud) {
   const std::size_t step = header.step();
   if (step != 0 && header.points > size / step)
     return truncated("points", size / step, header.points);
@@ -329,10 +295,8 @@ readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader& heade
   return {};
 }
 
-Error
-readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-               pcl::PCLPointCloud2& cloud)
-{
+Error readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
+                     pcl::PCLPointCloud2& cloud) {
   const std::size_t step = header.step();
   std::uint32_t compressed = 0, plain = 0;
   if (header.points == 0) return {};
@@ -356,9 +320,7 @@ readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& h
 
 }  // namespace
 
-Result<PointFile>
-parsePcd(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parsePcd(const std::vector<unsigned char>& bytes) {
   PointFile file;
   PcdHeader header;
   if (Error error = parsePcdHeader(bytes, header, file)) return error;
@@ -379,9 +341,7 @@ parsePcd(const std::vector<unsigned char>& bytes)
   return file;
 }
 
-std::vector<unsigned char>
-formatPcd(const PointFile& file)
-{
+std::vector<unsigned char> formatPcd(const PointFile& file) {
   const pcl::PCLPointCloud2& cloud = file.cloud;
   const std::string header = formatPcdHeader(file);
   std::vector<unsigned char> bytes(header.begin(), header.end());

@@ -10,12 +10,13 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Decodes LZF (Marc Lehmann's liblzf), as DATA binary_compressed has it. pcl::lzfDecompress does the
- * same, but its library loads VTK and drivers of sensors, which takes 25 MB and .03 s at every start.
- * \param[out] plain room for size bytes. \return whether the input is whole and fills it exactly. O(size). */
-bool
-decodeLzf(const std::uint8_t* packed, std::size_t packed_size, std::uint8_t* plain,
-          std::size_t size);
+/** \brief Decodes LZF (Marc Lehmann's liblzf), as DATA binary_compressed has it. pcl::lzfDecompress
+ * does the same, but its library loads VTK and drivers of sensors, which takes 25 MB and .03 s at
+ * every start.
+ * \param[out] plain room for size bytes. \return whether the input is whole and fills it exactly.
+ * O(size). */
+bool decodeLzf(const std::uint8_t* packed, std::size_t packed_size, std::uint8_t* plain,
+               std::size_t size);
 
 }  // namespace pcl_slim::detail
 
@@ -44,11 +45,9 @@ struct PcdHeader {
 };
 
 /** A column's type by PCLPointField's numbers; 0: its TYPE and SIZE do not go together. */
-std::uint8_t
-scalarType(const PcdColumn& column);
+std::uint8_t scalarType(const PcdColumn& column);
 
 /** Reads the header; viewpoint and comments go into the file. */
-Error
-parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file);
+Error parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file);
 
 }  // namespace pcl_slim

@@ -15,9 +15,7 @@ namespace pcl_slim {
 namespace {
 
 /** Whether a face's property lists its vertices. */
-bool
-isFaceList(const PlyProperty& property)
-{
+bool isFaceList(const PlyProperty& property) {
   return property.list_type != 0 &&
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
@@ -32,18 +30,15 @@ constexpr Rename kRenames[] = {{"nx", "normal_x"},         {"ny", "normal_y"},
 constexpr std::size_t kNumNormalRenames = 3;
 
 /** Index of a byte-valued field, or -1. */
-int
-findByte(const pcl::PCLPointCloud2& cloud, const char* name)
-{
+int findByte(const pcl::PCLPointCloud2& cloud, const char* name) {
   const int i = findField(cloud, name);
   return i >= 0 && cloud.fields[static_cast<std::size_t>(i)].datatype == kUInt8 ? i : -1;
 }
 
-/** Fields of a cloud whose colour bytes, listed in channel, become one field in the place of red. */
-pcl::PCLPointCloud2
-packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
-             std::vector<std::size_t>& sources)
-{
+/** Fields of a cloud whose colour bytes, listed in channel, become one field in the place of red.
+ */
+pcl::PCLPointCloud2 packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
+                                 std::vector<std::size_t>& sources) {
   pcl::PCLPointCloud2 packed;
   packed.width = cloud.width;
   packed.height = cloud.height;
@@ -67,9 +62,7 @@ packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
 }
 
 /** Replaces the colour bytes by one field of PCL's: blue, green, red, alpha in memory. */
-void
-packColour(pcl::PCLPointCloud2& cloud, const int (&channel)[4])
-{
+void packColour(pcl::PCLPointCloud2& cloud, const int (&channel)[4]) {
   std::vector<std::size_t> sources;
   pcl::PCLPointCloud2 packed = packedLayout(cloud, channel, sources);
   std::size_t from_channel[4] = {};
@@ -104,27 +97,21 @@ constexpr TypeName kTypeNames[] = {{"char", "int8", kInt8},        {"uchar", "ui
                                    {"int", "int32", kInt32},       {"uint", "uint32", kUInt32},
                                    {"float", "float32", kFloat32}, {"double", "float64", kFloat64}};
 
-std::uint8_t
-typeByName(const std::string& name)
-{
+std::uint8_t typeByName(const std::string& name) {
   for (const TypeName& entry : kTypeNames) {
     if (name == entry.old_name || name == entry.new_name) return entry.type;
   }
   return 0;
 }
 
-const char*
-nameOfType(std::uint8_t type)
-{
+const char* nameOfType(std::uint8_t type) {
   for (const TypeName& entry : kTypeNames) {
     if (type == entry.type) return entry.old_name;
   }
   return "";
 }
 
-bool
-parseFormat(const std::vector<std::string>& words, PlyForm& form)
-{
+bool parseFormat(const std::vector<std::string>& words, PlyForm& form) {
   if (words.size() != 3) return false;
   if (words[1] == "ascii")
     form = PlyForm::kAscii;
@@ -137,9 +124,7 @@ parseFormat(const std::vector<std::string>& words, PlyForm& form)
   return true;
 }
 
-bool
-parseElement(const std::vector<std::string>& words, PlyHeader& header)
-{
+bool parseElement(const std::vector<std::string>& words, PlyHeader& header) {
   std::uint64_t count = 0;
   if (words.size() != 3) return false;
   if (!parseScalar(words[2].data(), words[2].data() + words[2].size(), kUInt64,
@@ -150,9 +135,7 @@ parseElement(const std::vector<std::string>& words, PlyHeader& header)
   return true;
 }
 
-bool
-parseProperty(const std::vector<std::string>& words, PlyHeader& header)
-{
+bool parseProperty(const std::vector<std::string>& words, PlyHeader& header) {
   if (header.elements.empty()) return false;
   PlyProperty property;
   if (words.size() == 5 && words[1] == "list") {
@@ -167,9 +150,7 @@ parseProperty(const std::vector<std::string>& words, PlyHeader& header)
 }
 
 /** One line after the first. false: it makes no sense. */
-bool
-parseLine(const std::string& line, PlyHeader& header)
-{
+bool parseLine(const std::string& line, PlyHeader& header) {
   const std::vector<std::string> words = splitWords(line);
   if (words.empty() || words[0] == "obj_info") return true;
   if (words[0] == "comment") {
@@ -183,9 +164,7 @@ parseLine(const std::string& line, PlyHeader& header)
 }
 
 /** A property that occurs twice would overwrite itself. */
-Error
-checkElements(const std::vector<PlyElement>& elements)
-{
+Error checkElements(const std::vector<PlyElement>& elements) {
   std::unordered_set<std::string> names;
   for (const PlyElement& element : elements) {
     const auto& properties = element.properties;
@@ -202,9 +181,7 @@ checkElements(const std::vector<PlyElement>& elements)
 
 }  // namespace
 
-void
-adoptPclFields(pcl::PCLPointCloud2& cloud)
-{
+void adoptPclFields(pcl::PCLPointCloud2& cloud) {
   for (pcl::PCLPointField& field : cloud.fields) {
     for (const Rename& rename : kRenames) {
       if (field.name == rename.ply && findField(cloud, rename.pcl) < 0) field.name = rename.pcl;
@@ -218,9 +195,7 @@ adoptPclFields(pcl::PCLPointCloud2& cloud)
   }
 }
 
-Error
-parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
-{
+Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header) {
   TextScanner scanner(bytes.data(), bytes.size());
   std::string line;
   if (!scanner.nextLine(line) || splitWords(line) != std::vector<std::string>{"ply"}) {
@@ -249,9 +224,7 @@ struct PlyColumn {
 };
 
 /** PLY's columns for a cloud's fields: the inverse of adoptPclFields. */
-Error
-plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns)
-{
+Error plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns) {
   for (const pcl::PCLPointField& field : cloud.fields) {
     if ((field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4) {
       // In memory PCL's colour is blue, green, red, alpha.
@@ -278,10 +251,9 @@ plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns)
   return {};
 }
 
-std::string
-formatPlyHeader(const std::vector<std::string>& comments, const std::vector<PlyColumn>& columns,
-                std::size_t num_points, std::size_t num_faces, bool long_faces)
-{
+std::string formatPlyHeader(const std::vector<std::string>& comments,
+                            const std::vector<PlyColumn>& columns, std::size_t num_points,
+                            std::size_t num_faces, bool long_faces) {
   std::string out = "ply\nformat binary_little_endian 1.0\n";
   for (const std::string& comment : comments) out += "comment " + comment + "\n";
   out += "element vertex " + std::to_string(num_points) + "\n";
@@ -302,13 +274,10 @@ class BodyReader {
       : scanner_(bytes.data() + start, bytes.size() - start),
         at_(bytes.data() + start),
         end_(bytes.data() + bytes.size()),
-        form_(form)
-  {
-  }
+        form_(form) {}
 
   /** Writes the next value in this machine's byte order. false: no more data, or not a number. */
-  bool next(std::uint8_t type, std::uint8_t* value)
-  {
+  bool next(std::uint8_t type, std::uint8_t* value) {
     if (form_ == PlyForm::kAscii) {
       const char *begin = nullptr, *end = nullptr;
       if (!scanner_.nextWord(begin, end)) return false;
@@ -324,8 +293,7 @@ class BodyReader {
   }
 
   /** A non-negative whole number of any type. */
-  bool nextCount(std::uint8_t type, std::uint64_t& count)
-  {
+  bool nextCount(std::uint8_t type, std::uint64_t& count) {
     std::uint8_t value[8];
     if (!next(type, value)) return false;
     const double number = readScalar(value, type);
@@ -335,8 +303,7 @@ class BodyReader {
   }
 
   /** Most values of this size that can still follow. */
-  std::size_t mostValues(std::size_t size) const
-  {
+  std::size_t mostValues(std::size_t size) const {
     const std::size_t left = form_ == PlyForm::kAscii
                                  ? static_cast<std::size_t>(end_ - at_) - scanner_.position()
                                  : static_cast<std::size_t>(end_ - at_);
@@ -344,8 +311,7 @@ class BodyReader {
   }
 
   /** Why the last next() failed. */
-  Error failure(const std::string& element, std::size_t i, std::size_t count) const
-  {
+  Error failure(const std::string& element, std::size_t i, std::size_t count) const {
     if (malformed_) {
       return badInput(element + " " + std::to_string(i) +
                       " of the PLY file holds a value out of range; write it again");
@@ -363,9 +329,7 @@ class BodyReader {
 };
 
 /** Skips one property; false as for BodyReader. */
-bool
-skipProperty(BodyReader& in, const PlyProperty& property)
-{
+bool skipProperty(BodyReader& in, const PlyProperty& property) {
   std::uint8_t value[8];
   std::uint64_t count = 1;
   if (property.list_type != 0 && !in.nextCount(property.list_type, count)) return false;
@@ -375,9 +339,7 @@ skipProperty(BodyReader& in, const PlyProperty& property)
   return true;
 }
 
-Error
-readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud2& cloud)
-{
+Error readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud2& cloud) {
   std::size_t smallest = 0;
   for (const PlyProperty& property : element.properties) {
     smallest += scalarSize(property.list_type != 0 ? property.list_type : property.type);
@@ -408,9 +370,7 @@ readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud2& clo
   return {};
 }
 
-Error
-readFaces(BodyReader& in, const PlyElement& element, PointFile& file)
-{
+Error readFaces(BodyReader& in, const PlyElement& element, PointFile& file) {
   if (element.count > in.mostValues(1)) return in.failure("face", 0, element.count);
   file.face_begin.assign(1, 0);
   file.face_begin.reserve(element.count + 1);
@@ -435,9 +395,7 @@ readFaces(BodyReader& in, const PlyElement& element, PointFile& file)
   return {};
 }
 
-Error
-readElement(BodyReader& in, const PlyElement& element, PointFile& file)
-{
+Error readElement(BodyReader& in, const PlyElement& element, PointFile& file) {
   if (element.name == "vertex") return readVertices(in, element, file.cloud);
   if (element.name == "face") return readFaces(in, element, file);
   for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
@@ -449,16 +407,12 @@ readElement(BodyReader& in, const PlyElement& element, PointFile& file)
 }
 
 template <typename T>
-void
-append(std::vector<unsigned char>& bytes, T value)
-{
+void append(std::vector<unsigned char>& bytes, T value) {
   const auto* raw = reinterpret_cast<const unsigned char*>(&value);
   bytes.insert(bytes.end(), raw, raw + sizeof(value));
 }
 
-void
-appendFaces(const PointFile& file, bool long_faces, std::vector<unsigned char>& bytes)
-{
+void appendFaces(const PointFile& file, bool long_faces, std::vector<unsigned char>& bytes) {
   for (std::size_t i = 0; i < file.numFaces(); ++i) {
     const std::uint32_t begin = file.face_begin[i], end = file.face_begin[i + 1];
     if (long_faces)
@@ -472,9 +426,7 @@ appendFaces(const PointFile& file, bool long_faces, std::vector<unsigned char>& 
 }
 
 /** What a file contains in addition to the points and their faces, in words; none of it is kept. */
-std::vector<std::string>
-leftOut(const std::vector<PlyElement>& elements)
-{
+std::vector<std::string> leftOut(const std::vector<PlyElement>& elements) {
   std::vector<std::string> names;
   for (const PlyElement& element : elements) {
     const bool points = element.name == "vertex", faces = element.name == "face";
@@ -490,9 +442,7 @@ leftOut(const std::vector<PlyElement>& elements)
 
 }  // namespace
 
-Result<PointFile>
-parsePly(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parsePly(const std::vector<unsigned char>& bytes) {
   PlyHeader header;
   if (Error error = parsePlyHeader(bytes, header)) return error;
   PointFile file;
@@ -513,9 +463,7 @@ parsePly(const std::vector<unsigned char>& bytes)
   return file;
 }
 
-Result<std::vector<unsigned char>>
-formatPly(const PointFile& file)
-{
+Result<std::vector<unsigned char>> formatPly(const PointFile& file) {
   std::vector<PlyColumn> columns;
   if (Error error = plyColumns(file.cloud, columns)) return error;
   bool long_faces = false;

@@ -31,11 +31,9 @@ struct PlyHeader {
   std::size_t size = 0;  ///< bytes up to the body
 };
 
-Error
-parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header);
+Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header);
 
 /** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
-void
-adoptPclFields(pcl::PCLPointCloud2& cloud);
+void adoptPclFields(pcl::PCLPointCloud2& cloud);
 
 }  // namespace pcl_slim

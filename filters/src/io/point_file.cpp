@@ -19,9 +19,7 @@ namespace pcl_slim {
 namespace {
 
 template <typename T>
-bool
-parseAs(const char* begin, const char* end, std::uint8_t* at)
-{
+bool parseAs(const char* begin, const char* end, std::uint8_t* at) {
   if (begin != end && *begin == '+') ++begin;
   T value{};
   auto [stop, code] = std::from_chars(begin, end, value);
@@ -47,17 +45,13 @@ parseAs(const char* begin, const char* end, std::uint8_t* at)
   return code == std::errc() && stop == end;
 }
 
-bool
-isSpace(char c)
-{
+bool isSpace(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
 }
 
 }  // namespace
 
-bool
-parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at)
-{
+bool parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at) {
   switch (type) {
     case kInt8: return parseAs<std::int8_t>(begin, end, at);
     case kUInt8:
@@ -74,9 +68,7 @@ parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t*
   }
 }
 
-std::string
-formatScalar(double value)
-{
+std::string formatScalar(double value) {
   char buffer[40];
   std::snprintf(buffer, sizeof(buffer), "%.17g", value);
   std::string text = buffer;
@@ -84,9 +76,8 @@ formatScalar(double value)
   return text;
 }
 
-void
-addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type, std::size_t count)
-{
+void addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
+              std::size_t count) {
   pcl::PCLPointField field;
   field.name = name;
   field.offset = cloud.point_step;
@@ -96,15 +87,11 @@ addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
   cloud.point_step += static_cast<pcl::uindex_t>(scalarSize(type) * count);
 }
 
-void
-swapBytes(std::uint8_t* at, std::size_t size)
-{
+void swapBytes(std::uint8_t* at, std::size_t size) {
   std::reverse(at, at + size);
 }
 
-bool
-TextScanner::nextLine(std::string& line)
-{
+bool TextScanner::nextLine(std::string& line) {
   if (at_ == end_) return false;
   const char* stop =
       static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
@@ -116,9 +103,7 @@ TextScanner::nextLine(std::string& line)
   return true;
 }
 
-bool
-TextScanner::nextWord(const char*& begin, const char*& end)
-{
+bool TextScanner::nextWord(const char*& begin, const char*& end) {
   while (at_ != end_ && isSpace(*at_)) ++at_;
   begin = at_;
   while (at_ != end_ && !isSpace(*at_)) ++at_;
@@ -126,9 +111,7 @@ TextScanner::nextWord(const char*& begin, const char*& end)
   return begin != end;
 }
 
-std::vector<std::string>
-splitWords(const std::string& line)
-{
+std::vector<std::string> splitWords(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
@@ -158,9 +141,7 @@ constexpr Format kFormats[] = {{".pcd", parsePcd},
                                {".vtp", parseVtp}};
 
 /** What to do with a file that is not read, or not in this build. */
-Error
-refused(const std::string& path, const std::string& extension)
-{
+Error refused(const std::string& path, const std::string& extension) {
   const std::string stem = path.substr(0, path.size() - extension.size());
   if (extension == ".vtp") return checkVtp(path);
   if (path == "-" || path == "/dev/stdin") {
@@ -182,9 +163,7 @@ refused(const std::string& path, const std::string& extension)
               ".vtp file"};
 }
 
-Result<const Format*>
-formatOf(const std::string& path)
-{
+Result<const Format*> formatOf(const std::string& path) {
   const std::string extension = lowerExtension(path);
   for (const Format& format : kFormats) {
     const bool missing = extension == ".vtp" && checkVtp(path);
@@ -195,16 +174,12 @@ formatOf(const std::string& path)
 
 }  // namespace
 
-Error
-checkPointFileExtension(const std::string& path)
-{
+Error checkPointFileExtension(const std::string& path) {
   const auto format = formatOf(path);
   return format ? Error() : format.error();
 }
 
-Result<PointFile>
-loadPointFile(const std::string& path)
-{
+Result<PointFile> loadPointFile(const std::string& path) {
   const auto format = formatOf(path);
   if (!format) return format.error();
   const Result<Bytes> bytes = readFile(path);
@@ -216,9 +191,7 @@ loadPointFile(const std::string& path)
   return Error{file.error().code, "'" + path + "': " + file.error().message};
 }
 
-Error
-savePointFile(const std::string& path, const PointFile& file)
-{
+Error savePointFile(const std::string& path, const PointFile& file) {
   const std::string extension = lowerExtension(path);
   if (extension == ".pcd") {
     const Bytes bytes = formatPcd(file);
@@ -233,24 +206,19 @@ savePointFile(const std::string& path, const PointFile& file)
           "cannot tell the format of '" + path + "'; name a .pcd, .ply, .las or .vtp file"};
 }
 
-int
-findField(const pcl::PCLPointCloud2& cloud, const std::string& name)
-{
+int findField(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   for (std::size_t i = 0; i < cloud.fields.size(); ++i) {
     if (cloud.fields[i].name == name) return static_cast<int>(i);
   }
   return -1;
 }
 
-double
-fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point, const pcl::PCLPointField& field)
-{
+double fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                  const pcl::PCLPointField& field) {
   return readScalar(cloud.data.data() + point * cloud.point_step + field.offset, field.datatype);
 }
 
-std::size_t
-numPoints(const pcl::PCLPointCloud2& cloud)
-{
+std::size_t numPoints(const pcl::PCLPointCloud2& cloud) {
   return static_cast<std::size_t>(cloud.width) * cloud.height;
 }
 

@@ -27,17 +27,13 @@ struct NamedField {
   RecordLayout::Field field;
 };
 
-Error
-whole(const std::string& path, const std::string& why, const std::string& remedy)
-{
+Error whole(const std::string& path, const std::string& why, const std::string& remedy) {
   return {ErrorCode::kBadArgument,
           "'" + path + "' can only be read as a whole: " + why + "; " + remedy};
 }
 
-bool
-findTriple(const std::vector<NamedField>& columns, const char* const (&names)[3],
-           std::array<RecordLayout::Field, 3>& fields)
-{
+bool findTriple(const std::vector<NamedField>& columns, const char* const (&names)[3],
+                std::array<RecordLayout::Field, 3>& fields) {
   for (std::size_t a = 0; a < 3; ++a) {
     const auto isIt = [&](const NamedField& column) { return column.name == names[a]; };
     const auto at = std::find_if(columns.begin(), columns.end(), isIt);
@@ -48,10 +44,8 @@ findTriple(const std::vector<NamedField>& columns, const char* const (&names)[3]
 }
 
 /** Sets coordinates and normals. */
-Error
-setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3], bool use_normals,
-          RecordLayout& layout)
-{
+Error setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3],
+                bool use_normals, RecordLayout& layout) {
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   if (!findTriple(columns, kPosition, layout.position))
     return badInput("'" + layout.path + "' has no fields x y z; name a point cloud");
@@ -66,9 +60,7 @@ setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3
   return {};
 }
 
-Error
-pcdLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout& layout)
-{
+Error pcdLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout& layout) {
   PcdHeader header;
   PointFile file;
   if (Error error = parsePcdHeader(head, header, file)) return error;
@@ -91,9 +83,7 @@ pcdLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout
 }
 
 /** Bytes, or words, of one of a PLY's elements; 0 where lists make that differ. */
-std::size_t
-sizeOf(const PlyElement& element, bool text)
-{
+std::size_t sizeOf(const PlyElement& element, bool text) {
   std::size_t size = 0;
   for (const PlyProperty& property : element.properties) {
     if (property.list_type != 0) return 0;
@@ -102,9 +92,7 @@ sizeOf(const PlyElement& element, bool text)
   return size;
 }
 
-Error
-plyLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout& layout)
-{
+Error plyLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout& layout) {
   PlyHeader header;
   if (Error error = parsePlyHeader(head, header)) return error;
   layout.text = header.form == PlyForm::kAscii;
@@ -138,9 +126,7 @@ plyLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout
                "write normals with its vertices, or give -use_normals 0");
 }
 
-Error
-rawLayout(ScalarType type, std::uint64_t bytes, RecordLayout& layout)
-{
+Error rawLayout(ScalarType type, std::uint64_t bytes, RecordLayout& layout) {
   const std::size_t size = type == kFloat32 ? 4 : 8;
   layout.step = 3 * size;
   layout.count = bytes / layout.step;
@@ -152,16 +138,12 @@ rawLayout(ScalarType type, std::uint64_t bytes, RecordLayout& layout)
 
 }  // namespace
 
-bool
-isRawPointFile(const std::string& path)
-{
+bool isRawPointFile(const std::string& path) {
   const std::string extension = lowerExtension(path);
   return extension == ".f32" || extension == ".f64";
 }
 
-Result<RecordLayout>
-recordLayoutOf(const std::string& path, bool use_normals)
-{
+Result<RecordLayout> recordLayoutOf(const std::string& path, bool use_normals) {
   const std::string extension = lowerExtension(path);
   RecordLayout layout;
   layout.path = path;
@@ -192,17 +174,14 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
-Error
-whole(const std::string& path, const std::string& why)
-{
+Error whole(const std::string& path, const std::string& why) {
   return {ErrorCode::kBadArgument,
           "'" + path + "' can only be read as a whole: " + why + "; write its points as binary"};
 }
 
 /** A header with other numbers of points. \param[in] width,height of a PCD */
-std::string
-recounted(const std::string& header, bool pcd, std::uint64_t width, std::uint64_t height)
-{
+std::string recounted(const std::string& header, bool pcd, std::uint64_t width,
+                      std::uint64_t height) {
   std::istringstream lines(header);
   std::string line, text;
   const auto isKey = [&](const char* key) { return line.rfind(key, 0) == 0; };
@@ -217,9 +196,7 @@ recounted(const std::string& header, bool pcd, std::uint64_t width, std::uint64_
 }
 
 /** The header of a file without one. */
-std::string
-rawHeader(const RecordLayout& layout)
-{
+std::string rawHeader(const RecordLayout& layout) {
   const bool floats = layout.position[0].type == kFloat32;
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 0\n";
   for (const char* axis : {"x", "y", "z"})
@@ -228,9 +205,7 @@ rawHeader(const RecordLayout& layout)
 }
 
 /** Bytes of a file up to a place. */
-std::string
-readHead(const std::string& path, std::uint64_t bytes)
-{
+std::string readHead(const std::string& path, std::uint64_t bytes) {
   std::ifstream file(path, std::ios::binary);
   std::string head(static_cast<std::size_t>(bytes), '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -238,9 +213,7 @@ readHead(const std::string& path, std::uint64_t bytes)
 }
 
 /** Bytes of a formatted file's header. */
-std::size_t
-headerBytes(const Bytes& bytes, bool pcd)
-{
+std::size_t headerBytes(const Bytes& bytes, bool pcd) {
   const std::string last = pcd ? "\nDATA binary\n" : "\nend_header\n";
   const auto at = std::search(bytes.begin(), bytes.end(), last.begin(), last.end());
   return static_cast<std::size_t>(at - bytes.begin()) + last.size();
@@ -248,9 +221,7 @@ headerBytes(const Bytes& bytes, bool pcd)
 
 }  // namespace
 
-Error
-PointFileReader::open(const std::string& path)
-{
+Error PointFileReader::open(const std::string& path) {
   Result<RecordLayout> layout = recordLayoutOf(path, false);
   if (!layout) return layout.error();
   layout_ = *layout;
@@ -279,15 +250,11 @@ PointFileReader::open(const std::string& path)
   return only && first ? Error() : whole(path, "it has more than points, which would be lost");
 }
 
-std::string
-PointFileReader::headerFor(std::uint64_t points) const
-{
+std::string PointFileReader::headerFor(std::uint64_t points) const {
   return recounted(header_, pcd_, points, 1);
 }
 
-Error
-PointFileReader::next(std::size_t most, PointFile& piece)
-{
+Error PointFileReader::next(std::size_t most, PointFile& piece) {
   piece = PointFile();
   const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(most, size() - done_));
   if (count == 0) return {};
@@ -312,9 +279,7 @@ PointFileReader::next(std::size_t most, PointFile& piece)
   return {};
 }
 
-Error
-PointFileWriter::open(const std::string& path, std::uint64_t width, std::uint64_t height)
-{
+Error PointFileWriter::open(const std::string& path, std::uint64_t width, std::uint64_t height) {
   const std::string extension = lowerExtension(path);
   pcd_ = extension == ".pcd";
   if (!pcd_ && extension != ".ply") {
@@ -327,9 +292,7 @@ PointFileWriter::open(const std::string& path, std::uint64_t width, std::uint64_
   return file_.open(path);
 }
 
-Error
-PointFileWriter::add(const PointFile& piece)
-{
+Error PointFileWriter::add(const PointFile& piece) {
   Result<Bytes> bytes = pcd_ ? Result<Bytes>(formatPcd(piece)) : formatPly(piece);
   if (!bytes) return bytes.error();
   const std::size_t head = headerBytes(*bytes, pcd_);
@@ -342,9 +305,7 @@ PointFileWriter::add(const PointFile& piece)
   return file_.write(bytes->data() + head, bytes->size() - head);
 }
 
-Error
-PointFileWriter::finish()
-{
+Error PointFileWriter::finish() {
   return file_.finish();
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/PCLPointCloud2.h>
 #include <cstddef>
 #include <cstdint>
-#include <pcl/PCLPointCloud2.h>
 #include <string>
 #include <vector>
 
@@ -13,29 +13,23 @@
 namespace pcl_slim {
 
 /** Parses text into one value of a type. false: not a number, or out of the type's range. */
-bool
-parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at);
+bool parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at);
 
 /** Text that gives every double back: 17 digits, whatever the locale. */
-std::string
-formatScalar(double value);
+std::string formatScalar(double value);
 
 /** Appends a field behind those a cloud has; its points grow by the field's bytes. */
-void
-addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
-         std::size_t count = 1);
+void addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
+              std::size_t count = 1);
 
 /** Turns the bytes of one value round. */
-void
-swapBytes(std::uint8_t* at, std::size_t size);
+void swapBytes(std::uint8_t* at, std::size_t size);
 
 /** Reads text in memory word by word. */
 class TextScanner {
  public:
   TextScanner(const unsigned char* bytes, std::size_t size)
-      : begin_(reinterpret_cast<const char*>(bytes)), at_(begin_), end_(begin_ + size)
-  {
-  }
+      : begin_(reinterpret_cast<const char*>(bytes)), at_(begin_), end_(begin_ + size) {}
 
   /** Next line without its end ("\n" or "\r\n"). false: no more lines. */
   bool nextLine(std::string& line);
@@ -51,52 +45,42 @@ class TextScanner {
 };
 
 /** Words of a line. */
-std::vector<std::string>
-splitWords(const std::string& line);
+std::vector<std::string> splitWords(const std::string& line);
 
 /** The content of a PCD file, versions 0.5 to 0.7, in all three of its data forms. */
-Result<PointFile>
-parsePcd(const std::vector<unsigned char>& bytes);
+Result<PointFile> parsePcd(const std::vector<unsigned char>& bytes);
 
 /** The bytes of a binary PCD 0.7 file. */
-std::vector<unsigned char>
-formatPcd(const PointFile& file);
+std::vector<unsigned char> formatPcd(const PointFile& file);
 
 /** The vertices and faces of a PLY file of any of the three data forms. */
-Result<PointFile>
-parsePly(const std::vector<unsigned char>& bytes);
+Result<PointFile> parsePly(const std::vector<unsigned char>& bytes);
 
 /** The bytes of a binary_little_endian PLY file, or why the fields do not fit the format. */
-Result<std::vector<unsigned char>>
-formatPly(const PointFile& file);
+Result<std::vector<unsigned char>> formatPly(const PointFile& file);
 
 /** The points of a LAS file, versions 1.0 to 1.4, point formats 0 to 10 (ASPRS, LAS 1.4 R15). */
-Result<PointFile>
-parseLas(const std::vector<unsigned char>& bytes);
+Result<PointFile> parseLas(const std::vector<unsigned char>& bytes);
 
 /** The bytes of a LAS file: those of the one read where a file comes from one, and else of version
- * 1.4, format 6, or 7 where there are colours. \return an error for coordinates that are not finite. */
-Result<std::vector<unsigned char>>
-formatLas(const PointFile& file);
+ * 1.4, format 6, or 7 where there are colours. \return an error for coordinates that are not
+ * finite. */
+Result<std::vector<unsigned char>> formatLas(const PointFile& file);
 
 /** The points of a text file, one a line; text_file.h describes the format.
  *
  * Coordinates and other numbers are floats where those represent every digit written, else doubles.
  * \param[in] pts whether it is a .pts file, whose intensity precedes the colours. */
-Result<PointFile>
-parseText(const std::vector<unsigned char>& bytes, bool pts);
+Result<PointFile> parseText(const std::vector<unsigned char>& bytes, bool pts);
 
-/** A Wavefront OBJ file: v with or without colours, vn, f. A vertex that faces give several normals has
- * their mean. Texture coordinates, lines, groups and materials are left out, and named. */
-Result<PointFile>
-parseObj(const std::vector<unsigned char>& bytes);
+/** A Wavefront OBJ file: v with or without colours, vn, f. A vertex that faces give several normals
+ * has their mean. Texture coordinates, lines, groups and materials are left out, and named. */
+Result<PointFile> parseObj(const std::vector<unsigned char>& bytes);
 
 /** An STL file, binary or ASCII. Corners of equal coordinates become one vertex. */
-Result<PointFile>
-parseStl(const std::vector<unsigned char>& bytes);
+Result<PointFile> parseStl(const std::vector<unsigned char>& bytes);
 
 /** An OFF, COFF, NOFF or CNOFF file in ASCII. Colours of faces are left out, and named. */
-Result<PointFile>
-parseOff(const std::vector<unsigned char>& bytes);
+Result<PointFile> parseOff(const std::vector<unsigned char>& bytes);
 
 }  // namespace pcl_slim

@@ -17,9 +17,7 @@
 
 namespace pcl_slim {
 
-std::array<double, 3>
-splatShift(const SplatSet& splats)
-{
+std::array<double, 3> splatShift(const SplatSet& splats) {
   if (splats.empty()) return {};
   std::array<double, 3> low, high;
   const std::vector<float>* const columns[3] = {&splats.x, &splats.y, &splats.z};
@@ -31,10 +29,8 @@ splatShift(const SplatSet& splats)
   return fileShift(low, high);
 }
 
-void
-toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
-      pcl::PointCloud<pcl::PointSurfel>& cloud)
-{
+void toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
+           pcl::PointCloud<pcl::PointSurfel>& cloud) {
   cloud.resize(splats.size());
   cloud.width = static_cast<std::uint32_t>(splats.size());
   cloud.height = 1;
@@ -56,9 +52,7 @@ toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
   }
 }
 
-PointFile
-toPointFile(const SplatSet& splats, const std::array<double, 3>& shift)
-{
+PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift) {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   for (const char* name : {"x", "y", "z", "normal_x", "normal_y", "normal_z"}) {
@@ -108,9 +102,7 @@ constexpr const char* kGradient[9] = {"red_x",   "red_y",  "red_z",  "green_x", 
                                       "green_z", "blue_x", "blue_y", "blue_z"};
 constexpr std::uint32_t kWhite = 0xffffffu;
 
-Field
-fieldOf(const pcl::PCLPointCloud2& cloud, const char* name)
-{
+Field fieldOf(const pcl::PCLPointCloud2& cloud, const char* name) {
   const int i = findField(cloud, name);
   return i < 0 ? nullptr : &cloud.fields[static_cast<std::size_t>(i)];
 }
@@ -123,8 +115,7 @@ struct Columns {
   bool has_gradient = true;
 
   explicit Columns(const pcl::PCLPointCloud2& cloud)
-      : confidence(fieldOf(cloud, "confidence")), normal_variance(fieldOf(cloud, "curvature"))
-  {
+      : confidence(fieldOf(cloud, "confidence")), normal_variance(fieldOf(cloud, "curvature")) {
     for (std::size_t k = 0; k < kNumNeeded; ++k) needed[k] = fieldOf(cloud, kNeeded[k]);
     for (std::size_t k = 0; k < 9; ++k) {
       gradient[k] = fieldOf(cloud, kGradient[k]);
@@ -141,9 +132,7 @@ struct Columns {
 };
 
 /** The shift of a comment line "pcl_slim shift X Y Z"; zero without one. */
-std::array<double, 3>
-shiftOf(const PointFile& file)
-{
+std::array<double, 3> shiftOf(const PointFile& file) {
   for (const std::string& comment : file.comments) {
     std::istringstream words(comment);
     words.imbue(std::locale::classic());
@@ -160,13 +149,11 @@ shiftOf(const PointFile& file)
 /** Reads one file's discs, one after the other. */
 class Reader {
  public:
-  explicit Reader(const PointFile& file) : cloud_(file.cloud), columns_(file.cloud)
-  {
+  explicit Reader(const PointFile& file) : cloud_(file.cloud), columns_(file.cloud) {
     splats_.origin = shiftOf(file);
   }
 
-  Result<SplatSet> read(std::uint64_t& skipped)
-  {
+  Result<SplatSet> read(std::uint64_t& skipped) {
     for (std::size_t k = 0; k < kNumNeeded; ++k) {
       if (columns_.needed[k]) continue;
       return Error{ErrorCode::kBadInput, std::string("these points are not splats: the field '") +
@@ -184,8 +171,7 @@ class Reader {
 
  private:
   /** Fills slot out; false when the point makes no disc. */
-  bool readDisc(std::size_t point, std::size_t out)
-  {
+  bool readDisc(std::size_t point, std::size_t out) {
     std::array<double, kNumNeeded> v;
     for (std::size_t k = 0; k < kNumNeeded; ++k) {
       v[k] = fieldValue(cloud_, point, *columns_.needed[k]);
@@ -208,8 +194,7 @@ class Reader {
   }
 
   /** Coordinates of type double may need a nearer zero than the file's; floats stay as they are. */
-  void takeBase(const std::array<double, kNumNeeded>& v)
-  {
+  void takeBase(const std::array<double, kNumNeeded>& v) {
     for (std::size_t a = 0; a < 3; ++a) {
       if (columns_.needed[a]->datatype == pcl::PCLPointField::FLOAT32 || base_[a] != 0.0) continue;
       base_[a] = v[a];
@@ -217,21 +202,18 @@ class Reader {
     }
   }
 
-  float optional(std::size_t point, Field field, float otherwise) const
-  {
+  float optional(std::size_t point, Field field, float otherwise) const {
     return field ? static_cast<float>(fieldValue(cloud_, point, *field)) : otherwise;
   }
 
-  std::uint32_t colorOf(std::size_t point) const
-  {
+  std::uint32_t colorOf(std::size_t point) const {
     if (!columns_.rgb) return kWhite;
     std::uint32_t rgba = 0;
     std::memcpy(&rgba, cloud_.data.data() + point * cloud_.point_step + columns_.rgb->offset, 4);
     return rgba & 0xffffffu;
   }
 
-  bool readGradient(std::size_t point, std::size_t out)
-  {
+  bool readGradient(std::size_t point, std::size_t out) {
     for (std::size_t k = 0; k < 9; ++k) {
       splats_.gradient[out][k] = optional(point, columns_.gradient[k], 0.0f);
       if (!std::isfinite(splats_.gradient[out][k])) return false;
@@ -247,15 +229,11 @@ class Reader {
 
 }  // namespace
 
-bool
-holdsSplats(const PointFile& file)
-{
+bool holdsSplats(const PointFile& file) {
   return findField(file.cloud, "radius") >= 0 && findField(file.cloud, "c0") < 0;
 }
 
-Result<SplatSet>
-splatsFrom(const PointFile& file, std::uint64_t* skipped)
-{
+Result<SplatSet> splatsFrom(const PointFile& file, std::uint64_t* skipped) {
   std::uint64_t own = 0;
   return Reader(file).read(skipped ? *skipped : own);
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/surface_conversion.h"
 
+#include <pcl/PCLPointCloud2.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <pcl/PCLPointCloud2.h>
 #include <type_traits>
 #include <vector>
 
@@ -27,9 +27,7 @@ const std::string kTrimLine = "pcl_slim trim_maps ";
 const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /** Appends what base64() made text of. false: it is none. */
-bool
-addBytes(const std::string& text, std::vector<std::uint8_t>& bytes)
-{
+bool addBytes(const std::string& text, std::vector<std::uint8_t>& bytes) {
   if (text.size() % 4 != 0) return false;
   for (std::size_t i = 0; i < text.size(); i += 4) {
     std::uint32_t group = 0;
@@ -46,11 +44,9 @@ addBytes(const std::string& text, std::vector<std::uint8_t>& bytes)
   return true;
 }
 
-/** Sets the maps from bytes that contain them one after another, as SLIMSurface::trim_maps does. false: they are not
- * those of the surface's open surfels. */
-bool
-setMaps(const std::vector<std::uint8_t>& bytes, SLIMSurface& surface)
-{
+/** Sets the maps from bytes that contain them one after another, as SLIMSurface::trim_maps does.
+ * false: they are not those of the surface's open surfels. */
+bool setMaps(const std::vector<std::uint8_t>& bytes, SLIMSurface& surface) {
   std::vector<std::uint8_t> sides(surface.size()), bits;
   std::size_t at = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -69,16 +65,13 @@ setMaps(const std::vector<std::uint8_t>& bytes, SLIMSurface& surface)
   return true;
 }
 
-bool
-isOfCoarseSide(const SLIMSurface& surface, std::size_t i)
-{
+bool isOfCoarseSide(const SLIMSurface& surface, std::size_t i) {
   return !surface.isOpen(i) || surface.trimMap(i).side == kTrimSide;
 }
 
-/** \brief A surfel's trim map brought to 8 x 8 nodes, row by row, lowest bit first; 0 if it is closed. */
-std::array<std::uint32_t, 2>
-coarseTrimMap(const SLIMSurface& surface, std::size_t i)
-{
+/** \brief A surfel's trim map brought to 8 x 8 nodes, row by row, lowest bit first; 0 if it is
+ * closed. */
+std::array<std::uint32_t, 2> coarseTrimMap(const SLIMSurface& surface, std::size_t i) {
   std::array<std::uint32_t, 2> bits{};
   if (!surface.isOpen(i)) return bits;
   const TrimMap map = surface.trimMap(i);
@@ -94,9 +87,8 @@ coarseTrimMap(const SLIMSurface& surface, std::size_t i)
 }
 
 /** \brief Gives the open surfels maps of 8 x 8 nodes. \param[in] maps one for each surfel */
-void
-setCoarseTrimMaps(const std::vector<std::array<std::uint32_t, 2>>& maps, SLIMSurface& surface)
-{
+void setCoarseTrimMaps(const std::vector<std::array<std::uint32_t, 2>>& maps,
+                       SLIMSurface& surface) {
   std::vector<std::uint8_t> sides(surface.size()), bits;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!surface.isOpen(i)) continue;
@@ -111,9 +103,7 @@ setCoarseTrimMaps(const std::vector<std::array<std::uint32_t, 2>>& maps, SLIMSur
 
 }  // namespace
 
-void
-addTrimComments(const SLIMSurface& surface, std::vector<std::string>& comments)
-{
+void addTrimComments(const SLIMSurface& surface, std::vector<std::string>& comments) {
   bool exact = true;
   for (std::size_t i = 0; exact && i < surface.size(); ++i) exact = isOfCoarseSide(surface, i);
   if (exact) return;
@@ -123,9 +113,7 @@ addTrimComments(const SLIMSurface& surface, std::vector<std::string>& comments)
                        base64(maps.data() + i, std::min(kBytesOfLine, maps.size() - i)));
 }
 
-void
-takeTrimComments(const std::vector<std::string>& comments, SLIMSurface& surface)
-{
+void takeTrimComments(const std::vector<std::string>& comments, SLIMSurface& surface) {
   std::vector<std::uint8_t> bytes;
   for (const std::string& comment : comments) {
     if (comment.compare(0, kTrimLine.size(), kTrimLine) != 0) continue;
@@ -145,9 +133,7 @@ namespace {
 const char* const kChannels[3] = {"red_", "green_", "blue_"};
 
 /** "red_uv": the field of a term other than the first. */
-std::string
-nameOfTerm(std::size_t k, std::size_t channel)
-{
+std::string nameOfTerm(std::size_t k, std::size_t channel) {
   int degree = 1;
   auto place = static_cast<int>(k) - 1;
   while (place > degree) place -= ++degree;
@@ -157,9 +143,7 @@ nameOfTerm(std::size_t k, std::size_t channel)
 }
 
 /** A field of colours packed into four bytes, or null. */
-const pcl::PCLPointField*
-packedField(const pcl::PCLPointCloud2& cloud)
-{
+const pcl::PCLPointField* packedField(const pcl::PCLPointCloud2& cloud) {
   for (const char* name : {"rgb", "rgba"}) {
     const int i = findField(cloud, name);
     if (i < 0) continue;
@@ -169,12 +153,10 @@ packedField(const pcl::PCLPointCloud2& cloud)
   return nullptr;
 }
 
-/** \brief Adds the fields of a coloured surface's colours to an empty cloud: rgb, packed as PCL packs it,
- * at the surfels' centres, then the other terms of surfel_color.h, red_u green_u blue_u red_v ... red_uu ...,
- * in 1/255 of white. */
-void
-addColorFields(pcl::PCLPointCloud2& cloud)
-{
+/** \brief Adds the fields of a coloured surface's colours to an empty cloud: rgb, packed as PCL
+ * packs it, at the surfels' centres, then the other terms of surfel_color.h, red_u green_u blue_u
+ * red_v ... red_uu ..., in 1/255 of white. */
+void addColorFields(pcl::PCLPointCloud2& cloud) {
   addField(cloud, "rgb", kFloat32);
   for (std::size_t k = 1; k < ColorPolynomial().size(); ++k) {
     for (std::size_t c = 0; c < 3; ++c) addField(cloud, nameOfTerm(k, c), kFloat32);
@@ -182,9 +164,7 @@ addColorFields(pcl::PCLPointCloud2& cloud)
 }
 
 /** \brief Values of the fields of surfel i, 4 bytes each in the order of addColorFields(). */
-std::vector<float>
-colorValues(const SLIMSurface& surface, std::size_t i)
-{
+std::vector<float> colorValues(const SLIMSurface& surface, std::size_t i) {
   const std::uint8_t* bytes = surface.colors.data() + i * kColorBytes;
   const ColorPolynomial color = decodeColor(bytes);
   const std::uint8_t bgra[4] = {bytes[2], bytes[1], bytes[0], 0};
@@ -195,11 +175,9 @@ colorValues(const SLIMSurface& surface, std::size_t i)
   return values;
 }
 
-/** \brief Reads the colours of a cloud of surfels into their surface; terms whose field is missing are 0.
- * A cloud without a field rgb or rgba has none. O(surfels). */
-void
-takeColors(const pcl::PCLPointCloud2& cloud, SLIMSurface& surface)
-{
+/** \brief Reads the colours of a cloud of surfels into their surface; terms whose field is missing
+ * are 0. A cloud without a field rgb or rgba has none. O(surfels). */
+void takeColors(const pcl::PCLPointCloud2& cloud, SLIMSurface& surface) {
   const pcl::PCLPointField* packed = packedField(cloud);
   if (!packed) return;
   std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
@@ -233,17 +211,13 @@ const char* const kFieldsAfter[kFieldsAfterCoefficients] = {"degree", "level", "
 
 const char* const kTrimFields[2] = {"trim_low", "trim_high"};
 
-double
-toLocal(float value, int axis, const SurfaceMetadata& metadata)
-{
+double toLocal(float value, int axis, const SurfaceMetadata& metadata) {
   const auto a = static_cast<std::size_t>(axis);
   return (value + (metadata.shift[a] - metadata.info.origin[a])) / metadata.info.scale;
 }
 
 /** Whether every centre survives the way into float world coordinates less the shift and back. */
-bool
-exactInWorld(const SLIMSurface& surface, const SurfaceMetadata& metadata)
-{
+bool exactInWorld(const SLIMSurface& surface, const SurfaceMetadata& metadata) {
   const std::vector<float>* const columns[3] = {&surface.cx, &surface.cy, &surface.cz};
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -256,9 +230,7 @@ exactInWorld(const SLIMSurface& surface, const SurfaceMetadata& metadata)
   return true;
 }
 
-SurfaceMetadata
-makeMetadata(const SLIMSurface& surface)
-{
+SurfaceMetadata makeMetadata(const SLIMSurface& surface) {
   SurfaceMetadata metadata{surface.info, {}};
   if (exactInWorld(surface, metadata)) return metadata;
   metadata.shift = fileShift(surface.info.origin, surface.info.scale);
@@ -266,9 +238,7 @@ makeMetadata(const SLIMSurface& surface)
   return metadata;
 }
 
-PointSLIM
-toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metadata)
-{
+PointSLIM toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metadata) {
   const SurfaceInfo& info = surface.info;
   const auto place = [&](float local, std::size_t axis) {
     return static_cast<float>((info.origin[axis] - metadata.shift[axis]) + info.scale * local);
@@ -294,9 +264,8 @@ toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metada
 }
 
 /** Writes one point into the surface. false: a small whole number is none. */
-bool
-fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i, SLIMSurface& surface)
-{
+bool fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i,
+               SLIMSurface& surface) {
   const auto isByte = [](float v) { return v >= 0.0f && v <= 255.0f && v == std::floor(v); };
   if (!isByte(p.degree) || !isByte(p.level) || !isByte(p.leaf)) return false;
   const double scale = metadata.info.scale;
@@ -319,9 +288,7 @@ fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i, SL
 
 /** Units for surfels whose file lost its metadata: a power of two near the object's diagonal, an
  * origin on that scale's grid near its middle. */
-SurfaceMetadata
-deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud)
-{
+SurfaceMetadata deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud) {
   SurfaceMetadata metadata;
   metadata.info.degree = 1;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -349,9 +316,7 @@ deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud)
 }
 
 /** A surfel's flags, if they are any, without the one that announces a trim map. */
-float
-closed(float flags)
-{
+float closed(float flags) {
   const bool open = flags >= 0.0f && flags <= 255.0f && (static_cast<int>(flags) & kSurfelOpen);
   return open ? flags - kSurfelOpen : flags;
 }
@@ -365,9 +330,7 @@ struct Columns {
   int degree = 0;  ///< highest degree whose coefficients are all there
 };
 
-Error
-findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns)
-{
+Error findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns) {
   for (int k = 0; k < kFieldsBeforeCoefficients; ++k) {
     columns.before[k] = findField(cloud, kFieldsBefore[k]);
     if (columns.before[k] < 0) {
@@ -394,9 +357,7 @@ findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns)
           "made by a SLIM fit"};
 }
 
-pcl::PointCloud<PointSLIM>
-gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
-{
+pcl::PointCloud<PointSLIM> gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns) {
   pcl::PointCloud<PointSLIM> points;
   points.resize(numPoints(cloud));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -422,9 +383,7 @@ gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
 
 }  // namespace
 
-SurfaceMetadata
-toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud)
-{
+SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud) {
   const SurfaceMetadata metadata = makeMetadata(surface);
   cloud = pcl::PointCloud<PointSLIM>();
   cloud.resize(surface.size());
@@ -433,9 +392,7 @@ toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud)
   return metadata;
 }
 
-SurfaceMetadata
-toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
-{
+SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud) {
   const SurfaceMetadata metadata = makeMetadata(surface);
   const auto stride = static_cast<std::size_t>(surface.stride());
   cloud = pcl::PCLPointCloud2();
@@ -473,9 +430,8 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
   return metadata;
 }
 
-Result<SLIMSurface>
-fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata)
-{
+Result<SLIMSurface> fromPCL(const pcl::PointCloud<PointSLIM>& cloud,
+                            const SurfaceMetadata* metadata) {
   const SurfaceMetadata units = metadata ? *metadata : deriveMetadata(cloud);
   SLIMSurface surface;
   surface.info = units.info;
@@ -497,9 +453,7 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
   return surface;
 }
 
-Result<SLIMSurface>
-fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata)
-{
+Result<SLIMSurface> fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata) {
   Columns columns;
   if (Error error = findColumns(cloud, columns)) return error;
   if (metadata && metadata->info.degree > columns.degree) {

@@ -23,63 +23,47 @@ namespace {
 constexpr int kMetadataVersion = 1;
 constexpr const char* kPrefix = "pcl_slim";
 
-std::string
-formatted(const std::array<double, 3>& v)
-{
+std::string formatted(const std::array<double, 3>& v) {
   return formatScalar(v[0]) + " " + formatScalar(v[1]) + " " + formatScalar(v[2]);
 }
 
-bool
-parse(const std::string& word, double& value)
-{
+bool parse(const std::string& word, double& value) {
   return parseScalar(word.data(), word.data() + word.size(), kFloat64,
                      reinterpret_cast<std::uint8_t*>(&value)) &&
          std::isfinite(value);
 }
 
-bool
-parse(const std::string& word, std::uint64_t& value)
-{
+bool parse(const std::string& word, std::uint64_t& value) {
   return parseScalar(word.data(), word.data() + word.size(), kUInt64,
                      reinterpret_cast<std::uint8_t*>(&value));
 }
 
-bool
-parse(const std::string& word, bool& value)
-{
+bool parse(const std::string& word, bool& value) {
   value = word == "1";
   return value || word == "0";
 }
 
-bool
-parse(const std::string& word, WeightKernel& kernel)
-{
+bool parse(const std::string& word, WeightKernel& kernel) {
   std::uint64_t value = 0;
   if (!parse(word, value)) return false;
   kernel = static_cast<WeightKernel>(value);
   return value == 2 || value == 4 || value == 7 || value == 16;
 }
 
-bool
-parse(const std::string& word, int& value)
-{
+bool parse(const std::string& word, int& value) {
   std::uint64_t whole = 0;
   if (!parse(word, whole) || whole > 1000000) return false;
   value = static_cast<int>(whole);
   return true;
 }
 
-bool
-parse(const std::vector<std::string>& words, std::array<double, 3>& v)
-{
+bool parse(const std::vector<std::string>& words, std::array<double, 3>& v) {
   return words.size() == 5 && parse(words[2], v[0]) && parse(words[3], v[1]) &&
          parse(words[4], v[2]);
 }
 
 /** Sets the value of one line. Unknown keys are ignored: they are of other versions. */
-bool
-parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata, int& version)
-{
+bool parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata, int& version) {
   SurfaceInfo& info = metadata.info;
   const std::string& key = words[1];
   if (key == "origin") return parse(words, info.origin);
@@ -107,9 +91,7 @@ parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata, int&
 
 }  // namespace
 
-std::vector<std::string>
-toComments(const SurfaceMetadata& metadata)
-{
+std::vector<std::string> toComments(const SurfaceMetadata& metadata) {
   const SurfaceInfo& info = metadata.info;
   std::vector<std::string> lines;
   const auto add = [&lines](const char* key, const std::string& value) {
@@ -135,9 +117,8 @@ toComments(const SurfaceMetadata& metadata)
   return lines;
 }
 
-Error
-fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata, bool& found)
-{
+Error fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata,
+                   bool& found) {
   found = false;
   int version = 0;
   for (const std::string& comment : comments) {
@@ -157,9 +138,7 @@ fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata
   return {};
 }
 
-Error
-checkSurfaceExtension(const std::string& path)
-{
+Error checkSurfaceExtension(const std::string& path) {
   const std::string extension = lowerExtension(path);
   if (extension == ".vtp" || extension == ".pvtp") return checkVtp(path);
   for (const char* known : {".pcd", ".ply", ".slim"}) {
@@ -171,7 +150,8 @@ checkSurfaceExtension(const std::string& path)
 
 namespace {
 
-/** Writes points in pieces as VTK's parallel XML PolyData: NAME.pvtp, and NAME_0.vtp ... in the folder NAME. */
+/** Writes points in pieces as VTK's parallel XML PolyData: NAME.pvtp, and NAME_0.vtp ... in the
+ * folder NAME. */
 class VtpIndex {
  public:
   explicit VtpIndex(const std::string& path);
@@ -190,9 +170,7 @@ class VtpIndex {
 namespace fs = std::filesystem;
 
 /** Names of the types as VTK's files have them. */
-const char*
-typeName(std::uint8_t type)
-{
+const char* typeName(std::uint8_t type) {
   switch (type) {
     case kInt8: return "Int8";
     case kUInt8:
@@ -208,9 +186,7 @@ typeName(std::uint8_t type)
   }
 }
 
-std::string
-arrayTag(const VtpColumn& column)
-{
+std::string arrayTag(const VtpColumn& column) {
   return std::string("      <PDataArray type=\"") + typeName(column.type) + "\" Name=\"" +
          column.name + "\" NumberOfComponents=\"" + std::to_string(column.components) + "\"/>\n";
 }
@@ -219,9 +195,7 @@ constexpr const char* kEntities[][2] = {
     {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}};
 
 /** Replaces what XML has other words for by these, or, from the second form on, back. */
-std::string
-translated(const std::string& text, std::size_t from)
-{
+std::string translated(const std::string& text, std::size_t from) {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
     const auto* const found =
@@ -235,22 +209,16 @@ translated(const std::string& text, std::size_t from)
   return result;
 }
 
-bool
-isSame(const VtpColumn& a, const VtpColumn& b)
-{
+bool isSame(const VtpColumn& a, const VtpColumn& b) {
   return a.name == b.name && a.type == b.type && a.components == b.components;
 }
 
 VtpIndex::VtpIndex(const std::string& path)
     : path_(path),
       name_(fs::path(path).stem().string()),
-      folder_((fs::path(path).parent_path() / name_).string())
-{
-}
+      folder_((fs::path(path).parent_path() / name_).string()) {}
 
-Error
-VtpIndex::add(const PointFile& piece)
-{
+Error VtpIndex::add(const PointFile& piece) {
   std::error_code code;
   if (fs::exists(folder_, code) && !fs::is_directory(folder_, code)) {
     return {ErrorCode::kIo, "cannot write '" + path_ + "': '" + folder_ +
@@ -272,9 +240,7 @@ VtpIndex::add(const PointFile& piece)
   return saveVtp(folder_ + "/" + name_ + "_" + std::to_string(pieces_++) + ".vtp", piece);
 }
 
-Error
-VtpIndex::finish()
-{
+Error VtpIndex::finish() {
   std::string text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PPolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
@@ -295,9 +261,7 @@ VtpIndex::finish()
 }
 
 /** The files that an index names, in their order; an error where it names none. */
-Result<std::vector<std::string>>
-vtpPieces(const std::string& path)
-{
+Result<std::vector<std::string>> vtpPieces(const std::string& path) {
   const auto bytes = readFile(path);
   if (!bytes) return bytes.error();
   const std::string text(bytes->begin(), bytes->end()), mark = "<Piece Source=\"";
@@ -316,9 +280,7 @@ vtpPieces(const std::string& path)
 }
 
 /** A surface's surfels as points, and all further data as comments. */
-PointFile
-pointsOf(const SLIMSurface& surface)
-{
+PointFile pointsOf(const SLIMSurface& surface) {
   PointFile file;
   file.comments = toComments(toPCL(surface, file.cloud));
   addTrimComments(surface, file.comments);
@@ -326,9 +288,7 @@ pointsOf(const SLIMSurface& surface)
 }
 
 /** The surface of all pieces of an index. */
-Result<SLIMSurface>
-loadPieces(const std::string& path)
-{
+Result<SLIMSurface> loadPieces(const std::string& path) {
   const auto pieces = vtpPieces(path);
   if (!pieces) return pieces.error();
   SLIMSurface surface;
@@ -347,9 +307,7 @@ loadPieces(const std::string& path)
 
 }  // namespace
 
-Error
-saveSurface(const std::string& path, const SLIMSurface& surface, double rounding)
-{
+Error saveSurface(const std::string& path, const SLIMSurface& surface, double rounding) {
   if (Error error = checkSurfaceExtension(path)) return error;
   if (Error error = surface.validate()) return error;
   const std::string extension = lowerExtension(path);
@@ -363,9 +321,7 @@ saveSurface(const std::string& path, const SLIMSurface& surface, double rounding
   return index.finish();
 }
 
-Error
-saveSurfacePieces(const std::string& path, SlimBlockReader& blocks)
-{
+Error saveSurfacePieces(const std::string& path, SlimBlockReader& blocks) {
   if (Error error = checkVtp(path)) return error;
   VtpIndex index(path);
   std::vector<bool> one(blocks.directory().blocks.size(), false);
@@ -379,9 +335,7 @@ saveSurfacePieces(const std::string& path, SlimBlockReader& blocks)
   return index.finish();
 }
 
-Result<SLIMSurface>
-surfaceFrom(const PointFile& file)
-{
+Result<SLIMSurface> surfaceFrom(const PointFile& file) {
   SurfaceMetadata metadata;
   bool found = false;
   if (Error error = fromComments(file.comments, metadata, found)) return error;
@@ -390,9 +344,7 @@ surfaceFrom(const PointFile& file)
   return surface;
 }
 
-Result<SLIMSurface>
-loadSurface(const std::string& path)
-{
+Result<SLIMSurface> loadSurface(const std::string& path) {
   if (Error error = checkSurfaceExtension(path)) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".slim") return loadSlim(path);

@@ -19,9 +19,7 @@ namespace {
 constexpr int kMostDecimals = 40;  ///< a float with more has them all or is zero
 
 /** Half a unit of the last decimal. */
-double
-halfUnit(int decimals)
-{
+double halfUnit(int decimals) {
   static const auto table = [] {
     struct {
       double of[kMostDecimals + 1];
@@ -33,9 +31,7 @@ halfUnit(int decimals)
 }
 
 /** Digits behind the point, less the exponent. */
-int
-decimalsOf(const char* begin, const char* end)
-{
+int decimalsOf(const char* begin, const char* end) {
   const char* point = std::find(begin, end, '.');
   const char* power = std::find_if(begin, end, [](char c) { return c == 'e' || c == 'E'; });
   const auto digits = point < power ? static_cast<int>(power - point) - 1 : 0;
@@ -51,39 +47,29 @@ constexpr std::size_t kMostColumns = 4096;
 
 using Word = std::pair<const char*, const char*>;
 
-bool
-isBlank(char c)
-{
+bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-Word
-trimmed(const char* begin, const char* end)
-{
+Word trimmed(const char* begin, const char* end) {
   while (begin != end && isBlank(*begin)) ++begin;
   while (begin != end && isBlank(end[-1])) --end;
   if (end - begin > 1 && *begin == '"' && end[-1] == '"') return {begin + 1, end - 1};
   return {begin, end};
 }
 
-bool
-isNumber(const Word& word)
-{
+bool isNumber(const Word& word) {
   double value = 0;
   bool in_float = false;
   return parseDecimal(word.first, word.second, value, in_float);
 }
 
 /** Names of columns do not start as numbers do. */
-bool
-startsNumber(const Word& word)
-{
+bool startsNumber(const Word& word) {
   return word.first != word.second && std::strchr("+-.0123456789", *word.first) != nullptr;
 }
 
-std::string
-textOf(const Word& word)
-{
+std::string textOf(const Word& word) {
   constexpr std::ptrdiff_t kMost = 40;
   return {word.first, word.first + std::min(kMost, word.second - word.first)};
 }
@@ -91,13 +77,11 @@ textOf(const Word& word)
 class TableReader {
  public:
   explicit TableReader(const std::vector<unsigned char>& bytes)
-      : at_(reinterpret_cast<const char*>(bytes.data())), end_(at_ + bytes.size())
-  {
+      : at_(reinterpret_cast<const char*>(bytes.data())), end_(at_ + bytes.size()) {
     if (bytes.size() >= 3 && std::memcmp(at_, "\xef\xbb\xbf", 3) == 0) at_ += 3;
   }
 
-  Result<TextTable> read()
-  {
+  Result<TextTable> read() {
     if (std::memchr(at_, 0, static_cast<std::size_t>(end_ - at_)))
       return badInput(
           "it is no text: it holds bytes of 0; name a file of the format that its "
@@ -120,15 +104,13 @@ class TableReader {
   }
 
  private:
-  static bool isComment(const Word& line)
-  {
+  static bool isComment(const Word& line) {
     const char c = *line.first;
     const bool slashes = line.second - line.first > 1 && c == '/' && line.first[1] == '/';
     return c == '#' || c == '%' || slashes;
   }
 
-  Error takeLine(const Word& line)
-  {
+  Error takeLine(const Word& line) {
     if (isComment(line)) {
       takeComment(line);
       return {};
@@ -152,8 +134,7 @@ class TableReader {
     return takeRow();
   }
 
-  void takeComment(const Word& line)
-  {
+  void takeComment(const Word& line) {
     const char* from = line.first;
     while (from != line.second && (*from == '#' || *from == '/' || *from == '%' || isBlank(*from)))
       ++from;
@@ -171,8 +152,7 @@ class TableReader {
     if (has('x', 'X') && has('y', 'Y') && has('z', 'Z')) names_ = names;
   }
 
-  void chooseSeparator(const Word& line)
-  {
+  void chooseSeparator(const Word& line) {
     for (const char separator : {';', ','}) {
       separator_ = separator;
       if (std::find(line.first, line.second, separator) != line.second) return;
@@ -180,8 +160,7 @@ class TableReader {
     separator_ = ' ';
   }
 
-  void split(const Word& line)
-  {
+  void split(const Word& line) {
     words_.clear();
     const char* at = line.first;
     while (at != line.second) {
@@ -197,8 +176,7 @@ class TableReader {
   }
 
   /** A line with the number of rows that follow. */
-  bool takeCount(const Word& word)
-  {
+  bool takeCount(const Word& word) {
     double count = 0;
     bool in_float = false;
     if (!parseDecimal(word.first, word.second, count, in_float)) return false;
@@ -207,8 +185,7 @@ class TableReader {
     return true;
   }
 
-  Error beginRows()
-  {
+  Error beginRows() {
     if (words_.size() > kMostColumns)
       return badInput("line " + std::to_string(line_) + " has more than 4096 columns; split them");
     table_.columns.resize(words_.size());
@@ -226,8 +203,7 @@ class TableReader {
     return {};
   }
 
-  Error takeRow()
-  {
+  Error takeRow() {
     if (words_.size() != table_.columns.size()) {
       return badInput("line " + std::to_string(line_) + " has " + std::to_string(words_.size()) +
                       " columns, line " + std::to_string(first_row_) + " has " +
@@ -246,14 +222,12 @@ class TableReader {
     return {};
   }
 
-  Error noNumber(const Word& word) const
-  {
+  Error noNumber(const Word& word) const {
     return badInput("line " + std::to_string(line_) + ": '" + textOf(word) +
                     "' is no number; mend it (decimals have a point)");
   }
 
-  static void note(double value, TextColumn& column)
-  {
+  static void note(double value, TextColumn& column) {
     if (!std::isfinite(value)) return;
     column.whole = column.whole && value == std::floor(value);
     column.least = std::min(column.least, value);
@@ -272,9 +246,7 @@ class TableReader {
 
 }  // namespace
 
-bool
-parseDecimal(const char* begin, const char* end, double& value, bool& in_float)
-{
+bool parseDecimal(const char* begin, const char* end, double& value, bool& in_float) {
   if (begin != end && *begin == '+') ++begin;
   const auto [stop, code] = std::from_chars(begin, end, value);
   if (code == std::errc::result_out_of_range) {  // beyond doubles: infinite, or zero
@@ -289,9 +261,7 @@ parseDecimal(const char* begin, const char* end, double& value, bool& in_float)
   return true;
 }
 
-Result<TextTable>
-parseTextTable(const std::vector<unsigned char>& bytes)
-{
+Result<TextTable> parseTextTable(const std::vector<unsigned char>& bytes) {
   return TableReader(bytes).read();
 }
 
@@ -309,16 +279,12 @@ constexpr Alias kAliases[] = {
     {"normalx", "normal_x"}, {"normaly", "normal_y"}, {"normalz", "normal_z"},
     {"i", "intensity"}};
 
-bool
-has(const std::vector<std::string>& names, const std::string& name)
-{
+bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 /** Gives columns of one name different ones. */
-void
-makeUnique(std::vector<std::string>& names)
-{
+void makeUnique(std::vector<std::string>& names) {
   for (std::size_t k = 0; k < names.size(); ++k) {
     const std::string name = names[k];
     const auto before = names.begin() + static_cast<std::ptrdiff_t>(k);
@@ -327,9 +293,7 @@ makeUnique(std::vector<std::string>& names)
   }
 }
 
-Result<std::vector<std::string>>
-knownNames(const TextTable& table)
-{
+Result<std::vector<std::string>> knownNames(const TextTable& table) {
   std::vector<std::string> names;
   std::string written;
   for (const TextColumn& column : table.columns) {
@@ -351,9 +315,7 @@ knownNames(const TextTable& table)
 }
 
 /** Whether three columns are unit vectors, or zero, in a sample of the rows. */
-bool
-areNormals(const TextTable& table, std::size_t first)
-{
+bool areNormals(const TextTable& table, std::size_t first) {
   constexpr std::size_t kSample = 1000;
   constexpr double kTolerance = 0.02;  // of the length: three decimals and their rounding
   if (first + 3 > table.columns.size()) return false;
@@ -370,9 +332,7 @@ areNormals(const TextTable& table, std::size_t first)
   return unit > 0 && others == 0;
 }
 
-bool
-areColors(const TextTable& table, std::size_t first)
-{
+bool areColors(const TextTable& table, std::size_t first) {
   if (first + 3 > table.columns.size()) return false;
   for (std::size_t k = first; k < first + 3; ++k) {
     const TextColumn& column = table.columns[k];
@@ -381,9 +341,7 @@ areColors(const TextTable& table, std::size_t first)
   return true;
 }
 
-std::vector<std::string>
-guessedNames(const TextTable& table, bool intensity_first)
-{
+std::vector<std::string> guessedNames(const TextTable& table, bool intensity_first) {
   const std::size_t count = table.columns.size();
   std::vector<std::string> names = {"x", "y", "z"};
   const auto add = [&names](std::initializer_list<const char*> more) {
@@ -408,9 +366,7 @@ guessedNames(const TextTable& table, bool intensity_first)
 
 }  // namespace
 
-std::string
-plainColumnName(const std::string& written)
-{
+std::string plainColumnName(const std::string& written) {
   std::string name;
   for (const char c : written.substr(0, written.find_first_of("[("))) {
     const auto byte = static_cast<unsigned char>(c);
@@ -425,29 +381,24 @@ namespace {
 /** Names of fields for a table's columns: x y z, normal_x normal_y normal_z, red green blue alpha,
  * intensity where they are such, others as the file names them or column_4 and so on.
  *
- * With names in the file: those of common programs are known, in any case and with units in brackets.
- * Without: x y z come first; behind them three columns of unit length are normals, three of whole numbers
- * from 0 to 255 are colours, and one more is the intensity. \param[in] intensity_first of four columns
- * that may be colours and an intensity, as in .pts files. \return an error for a table without x y z. */
-Result<std::vector<std::string>>
-columnNames(const TextTable& table, bool intensity_first)
-{
+ * With names in the file: those of common programs are known, in any case and with units in
+ * brackets. Without: x y z come first; behind them three columns of unit length are normals, three
+ * of whole numbers from 0 to 255 are colours, and one more is the intensity. \param[in]
+ * intensity_first of four columns that may be colours and an intensity, as in .pts files. \return
+ * an error for a table without x y z. */
+Result<std::vector<std::string>> columnNames(const TextTable& table, bool intensity_first) {
   if (table.named) return knownNames(table);
   if (table.columns.size() < 3)
     return badInput("its lines have fewer than 3 numbers: give x, y and z of a point");
   return guessedNames(table, intensity_first);
 }
 
-bool
-isChannel(const std::string& name)
-{
+bool isChannel(const std::string& name) {
   return name == "red" || name == "green" || name == "blue" || name == "alpha";
 }
 
 /** Bytes of colours are bytes, larger whole numbers 16 bits, others as other numbers. */
-std::uint8_t
-colorType(const TextTable& table, const std::vector<std::string>& names)
-{
+std::uint8_t colorType(const TextTable& table, const std::vector<std::string>& names) {
   double most = 0;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const TextColumn& column = table.columns[k];
@@ -461,9 +412,8 @@ colorType(const TextTable& table, const std::vector<std::string>& names)
 }
 
 /** Types of the columns, 0 for those that are left out. */
-std::vector<std::uint8_t>
-columnTypes(const TextTable& table, const std::vector<std::string>& names)
-{
+std::vector<std::uint8_t> columnTypes(const TextTable& table,
+                                      const std::vector<std::string>& names) {
   const auto realType = [](bool in_float) {
     return in_float ? std::uint8_t{kFloat32} : std::uint8_t{kFloat64};
   };
@@ -489,9 +439,7 @@ columnTypes(const TextTable& table, const std::vector<std::string>& names)
   return types;
 }
 
-void
-store(double value, std::uint8_t type, std::uint8_t* at)
-{
+void store(double value, std::uint8_t type, std::uint8_t* at) {
   const auto put = [at](auto number) { std::memcpy(at, &number, sizeof(number)); };
   if (type == kFloat64) return put(value);
   if (type == kFloat32) return put(static_cast<float>(value));
@@ -502,9 +450,7 @@ store(double value, std::uint8_t type, std::uint8_t* at)
 
 }  // namespace
 
-Result<PointFile>
-parseText(const std::vector<unsigned char>& bytes, bool pts)
-{
+Result<PointFile> parseText(const std::vector<unsigned char>& bytes, bool pts) {
   const Result<TextTable> table = parseTextTable(bytes);
   if (!table) return table.error();
   const Result<std::vector<std::string>> names = columnNames(*table, pts);

@@ -25,9 +25,7 @@ constexpr const char* kPlaceNames[][3] = {{"x", "y", "z"},
                                           {"easting", "northing", "elevation"},
                                           {"easting", "northing", "altitude"}};
 
-bool
-isTimeName(const std::string& name)
-{
+bool isTimeName(const std::string& name) {
   const std::string plain = plainColumnName(name);
   return std::find(std::begin(kTimeNames), std::end(kTimeNames), plain) != std::end(kTimeNames);
 }
@@ -35,9 +33,7 @@ isTimeName(const std::string& name)
 /** Columns of the time and of x y z. */
 using Columns = std::array<std::size_t, 4>;
 
-Result<Columns>
-namedColumns(const TextTable& table)
-{
+Result<Columns> namedColumns(const TextTable& table) {
   std::vector<std::string> names;
   std::string written;
   for (const TextColumn& column : table.columns) {
@@ -60,9 +56,7 @@ namedColumns(const TextTable& table)
                   "; name four of numbers time, x, y and z");
 }
 
-Result<Columns>
-columnsOf(const TextTable& table)
-{
+Result<Columns> columnsOf(const TextTable& table) {
   if (table.named) return namedColumns(table);
   if (table.columns.size() == 4 || table.columns.size() == 8) return Columns{0, 1, 2, 3};
   return badInput(
@@ -70,17 +64,13 @@ columnsOf(const TextTable& table)
       " columns without names: give t x y z, or t x y z qx qy qz qw, or a line of names");
 }
 
-std::string
-numberText(double value, int digits = 12)
-{
+std::string numberText(double value, int digits = 12) {
   char text[40];
   std::snprintf(text, sizeof(text), "%.*g", digits, value);
   return text;
 }
 
-Result<Trajectory>
-trajectoryOf(const TextTable& table)
-{
+Result<Trajectory> trajectoryOf(const TextTable& table) {
   const Result<Columns> columns = columnsOf(table);
   if (!columns) return columns.error();
   std::vector<std::size_t> order(table.rows());
@@ -110,9 +100,8 @@ trajectoryOf(const TextTable& table)
 }
 
 /** The field with the points' times. */
-Result<const pcl::PCLPointField*>
-timeField(const pcl::PCLPointCloud2& cloud, const std::string& asked)
-{
+Result<const pcl::PCLPointField*> timeField(const pcl::PCLPointCloud2& cloud,
+                                            const std::string& asked) {
   const pcl::PCLPointField* found = nullptr;
   std::string names;
   for (const pcl::PCLPointField& field : cloud.fields) {
@@ -131,9 +120,8 @@ timeField(const pcl::PCLPointCloud2& cloud, const std::string& asked)
 }
 
 /** Checks that floats of this magnitude separate the trajectory's positions. */
-Error
-checkResolution(const pcl::PCLPointField& field, double largest, const Trajectory& trajectory)
-{
+Error checkResolution(const pcl::PCLPointField& field, double largest,
+                      const Trajectory& trajectory) {
   if (field.datatype != pcl::PCLPointField::FLOAT32) return {};
   std::vector<double> steps;
   for (std::size_t k = 1; k < trajectory.time.size(); ++k)
@@ -148,9 +136,7 @@ checkResolution(const pcl::PCLPointField& field, double largest, const Trajector
                   ": write it as double, or less a constant that -time_offset adds again");
 }
 
-std::array<double, 3>
-placeAt(const Trajectory& trajectory, double time)
-{
+std::array<double, 3> placeAt(const Trajectory& trajectory, double time) {
   const auto after = std::upper_bound(trajectory.time.begin(), trajectory.time.end() - 1, time);
   const auto k =
       static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, after - trajectory.time.begin()));
@@ -164,9 +150,7 @@ placeAt(const Trajectory& trajectory, double time)
 
 }  // namespace
 
-Result<Trajectory>
-loadTrajectory(const std::string& path)
-{
+Result<Trajectory> loadTrajectory(const std::string& path) {
   const auto bytes = readFile(path);
   if (!bytes) return bytes.error();
   const Result<TextTable> table = parseTextTable(*bytes);
@@ -175,10 +159,8 @@ loadTrajectory(const std::string& path)
   return Error{made.error().code, "trajectory '" + path + "': " + made.error().message};
 }
 
-Result<std::vector<double>>
-sensorPlaces(const Trajectory& trajectory, const PointFile& file, const std::string& time_field,
-             double offset)
-{
+Result<std::vector<double>> sensorPlaces(const Trajectory& trajectory, const PointFile& file,
+                                         const std::string& time_field, double offset) {
   const pcl::PCLPointCloud2& cloud = file.cloud;
   const auto field = timeField(cloud, time_field);
   if (!field) return field.error();

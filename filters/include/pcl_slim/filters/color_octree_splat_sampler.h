@@ -30,8 +30,8 @@ namespace pcl_slim {
  * Colours and normals are optional: without colours shape alone decides, without normals (neither
  * setInputNormals() nor fields of PointT) they are estimated from neighbours. Non-finite points are
  * skipped and counted, indices honoured. A missing or empty cloud, one without a finite point, and
- * indices out of range are errors: returned by getError(), and by filter() printed as PCL prints them.
- * Outputs are cleared first. The result is the same for any number of threads.
+ * indices out of range are errors: returned by getError(), and by filter() printed as PCL prints
+ * them. Outputs are cleared first. The result is the same for any number of threads.
  *
  * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
  * PointXYZRGBNormal. For a point type of your own, include
@@ -56,8 +56,8 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
-  /** \brief Search object for estimating normals, of clouds without, as pcl::NormalEstimation does; null
-   * (default): the sampler estimates them with its own index. */
+  /** \brief Search object for estimating normals, of clouds without, as pcl::NormalEstimation does;
+   * null (default): the sampler estimates them with its own index. */
   void setSearchMethod(const SearchPtr& search) { search_ = search; }
   SearchPtr getSearchMethod() const { return search_; }
 

@@ -15,8 +15,7 @@ class RunControl {
  public:
   RunControl() = default;
   RunControl(const RunControl& other) : callback(other.callback) {}
-  RunControl& operator=(const RunControl& other)
-  {
+  RunControl& operator=(const RunControl& other) {
     callback = other.callback;
     return *this;
   }
@@ -34,13 +33,13 @@ class PCL_SLIM_EXPORT ControlledRun {
   /** \brief Called from the thread that runs with the share done and the stage's name. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
-  /** \brief Stops the run in progress, from any thread or a signal handler. Before an object's first
-   * run it stops that one. After a run has ended it does nothing, so that one that comes a moment too
-   * late does not stop the next run; see expectRun(). */
+  /** \brief Stops the run in progress, from any thread or a signal handler. Before an object's
+   * first run it stops that one. After a run has ended it does nothing, so that one that comes a
+   * moment too late does not stop the next run; see expectRun(). */
   void cancel() { control_.progress.cancel(); }
 
-  /** \brief From now on cancel() is meant for the next run, whether or not it has begun: to be called
-   * before a second or later run is started in another thread. */
+  /** \brief From now on cancel() is meant for the next run, whether or not it has begun: to be
+   * called before a second or later run is started in another thread. */
   void expectRun() { control_.progress.expectRun(); }
 
   /** \brief Why the last run failed, in one sentence; no error after a success. */
@@ -54,12 +53,11 @@ class PCL_SLIM_EXPORT ControlledRun {
   void clearResults();
   /** \brief Records an error. \return false, as the run itself does. */
   bool fail(ErrorCode code, const std::string& message);
-  /** \brief Records the Error that body() returns, that it was cancelled meanwhile, or what it threw.
-   * Takes no memory before body() runs. \param[in] work what body does, as in "the fit";
+  /** \brief Records the Error that body() returns, that it was cancelled meanwhile, or what it
+   * threw. Takes no memory before body() runs. \param[in] work what body does, as in "the fit";
    * \param[in] remedy where memory does not suffice. \return whether all went well. */
   template <typename Body>
-  bool guarded(const char* work, const char* remedy, const Body& body)
-  {
+  bool guarded(const char* work, const char* remedy, const Body& body) {
     const auto call = [](const void* that) -> Error { return (*static_cast<const Body*>(that))(); };
     return guardedCall(work, remedy, call, &body);
   }

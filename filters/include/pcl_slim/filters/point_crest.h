@@ -14,8 +14,9 @@
 
 namespace pcl_slim {
 
-/** \brief A vertex of a crest line as a PCL point. Neighbours in a cloud with the same line number are
- * neighbours on the line. Curvatures in 1/length, positive where the surface bends away from the normal. */
+/** \brief A vertex of a crest line as a PCL point. Neighbours in a cloud with the same line number
+ * are neighbours on the line. Curvatures in 1/length, positive where the surface bends away from
+ * the normal. */
 struct EIGEN_ALIGN16 PointCrest {
   PCL_ADD_POINT4D
   PCL_ADD_NORMAL4D
@@ -31,9 +32,9 @@ struct EIGEN_ALIGN16 PointCrest {
   PCL_MAKE_ALIGNED_OPERATOR_NEW
 };
 
-/** \brief Lines as points, line by line in their order; coordinates are rounded to float. O(vertices). */
-PCL_SLIM_EXPORT void
-toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud);
+/** \brief Lines as points, line by line in their order; coordinates are rounded to float.
+ * O(vertices). */
+PCL_SLIM_EXPORT void toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud);
 
 }  // namespace pcl_slim
 

@@ -24,13 +24,13 @@ struct CrestRun {
 };
 
 /** \brief Fits, unless a surface is given, projects, and traces.
- * \return an error for input that cannot be fitted, a surface of another cloud (less than a tenth of the
- * points supported), parameters out of range, or cancellation. */
-PCL_SLIM_EXPORT Error
-traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress = nullptr);
+ * \return an error for input that cannot be fitted, a surface of another cloud (less than a tenth
+ * of the points supported), parameters out of range, or cancellation. */
+PCL_SLIM_EXPORT Error traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines,
+                                 Progress* progress = nullptr);
 
-/** \brief Parameters and results of SLIMCrestLines that do not depend on the point type; CrestParams
- * documents each. Values are checked when compute() runs. */
+/** \brief Parameters and results of SLIMCrestLines that do not depend on the point type;
+ * CrestParams documents each. Values are checked when compute() runs. */
 class SLIMCrestLinesBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
@@ -40,25 +40,24 @@ class SLIMCrestLinesBase {
   const CrestParams& getCrestParams() const { return crest_; }
 
   /** \brief Which lines to trace (default both). */
-  void setLineTypes(bool ridges, bool ravines)
-  {
+  void setLineTypes(bool ridges, bool ravines) {
     crest_.ridges = ridges;
     crest_.ravines = ravines;
   }
   bool getRidges() const { return crest_.ridges; }
   bool getRavines() const { return crest_.ravines; }
 
-  /** \brief Least prominence of a line in deviations of the noise, everywhere and somewhere (default
-   * 2 and 5). */
-  void setSignificance(double everywhere, double somewhere)
-  {
+  /** \brief Least prominence of a line in deviations of the noise, everywhere and somewhere
+   * (default 2 and 5). */
+  void setSignificance(double everywhere, double somewhere) {
     crest_.significance = everywhere;
     crest_.peak_significance = somewhere;
   }
   double getSignificance() const { return crest_.significance; }
   double getPeakSignificance() const { return crest_.peak_significance; }
 
-  /** \brief Least integral of |k| ds of a line, without unit (default 0): how important it must be. */
+  /** \brief Least integral of |k| ds of a line, without unit (default 0): how important it must be.
+   */
   void setMinStrength(double strength) { crest_.min_strength = strength; }
   double getMinStrength() const { return crest_.min_strength; }
 
@@ -97,16 +96,16 @@ class SLIMCrestLinesBase {
  * if (!crest.compute(lines)) std::cerr << crest.getError().message << "\n";
  * \endcode
  *
- * Every setter of SLIMFit is there: input, indices, normals, the fit's parameters, threads, progress,
- * cancel. Lines are in the cloud's coordinates and units, strongest first. Which lines are ridges and
- * which ravines depends on the side the normals face. Lines need polynomials of degree 4, the default;
- * of degree 2 there are few.
+ * Every setter of SLIMFit is there: input, indices, normals, the fit's parameters, threads,
+ * progress, cancel. Lines are in the cloud's coordinates and units, strongest first. Which lines
+ * are ridges and which ravines depends on the side the normals face. Lines need polynomials of
+ * degree 4, the default; of degree 2 there are few.
  *
- * A missing or empty cloud, one without a finite point, indices out of range and parameters out of range
- * are errors; the output is cleared first. The result is the same for any number of threads.
+ * A missing or empty cloud, one without a finite point, indices out of range and parameters out of
+ * range are errors; the output is cleared first. The result is the same for any number of threads.
  *
- * Compiled for PointXYZ, XYZI, XYZRGB, XYZRGBA, PointNormal, XYZINormal and XYZRGBNormal. For another
- * type include pcl_slim/filters/impl/slim_crest_lines.hpp where you use it.
+ * Compiled for PointXYZ, XYZI, XYZRGB, XYZRGBA, PointNormal, XYZINormal and XYZRGBNormal. For
+ * another type include pcl_slim/filters/impl/slim_crest_lines.hpp where you use it.
  */
 template <typename PointT>
 class SLIMCrestLines : public SLIMFit<PointT>, public SLIMCrestLinesBase {
@@ -117,8 +116,8 @@ class SLIMCrestLines : public SLIMFit<PointT>, public SLIMCrestLinesBase {
   /** \brief Lines need no trim maps: none are made unless requested. */
   SLIMCrestLines() { this->setTrimming(false); }
 
-  /** \brief Traces the lines. \return false with getError() and no lines when it cannot. O(points) for
-   * the fit and the seeds, then by the length of the lines. */
+  /** \brief Traces the lines. \return false with getError() and no lines when it cannot. O(points)
+   * for the fit and the seeds, then by the length of the lines. */
   bool compute(CrestLines& lines);
 
   /** \brief The same as points, with the cloud's header; coordinates are rounded to float. */

@@ -62,8 +62,8 @@ class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
-  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does, found by
-   * the object of setSearchMethod(); 0 estimates none (default: none are needed). */
+  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does, found
+   * by the object of setSearchMethod(); 0 estimates none (default: none are needed). */
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 

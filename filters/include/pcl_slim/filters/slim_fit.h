@@ -62,8 +62,8 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
-  /** \brief Gives the surface the colours of the points (default on); without effect on clouds that have no
-   * field rgb or rgba. PointSLIM has no colours: those of fit(SLIMSurface&) are kept. */
+  /** \brief Gives the surface the colours of the points (default on); without effect on clouds that
+   * have no field rgb or rgba. PointSLIM has no colours: those of fit(SLIMSurface&) are kept. */
   void setColors(bool colors) { colors_ = colors; }
   bool getColors() const { return colors_; }
 

@@ -12,9 +12,10 @@
 
 namespace pcl_slim {
 
-/** \brief Smooths a polygon mesh by the SLIM surface of its vertices (Ohtake, Belyaev, Alexa: Sparse
- * low-degree implicit surfaces, SGP 2005, Fig. 20): faces get the surface's normals at their projected
- * centroids, and vertices follow. Edges of machine parts stay sharp, and no face turns over.
+/** \brief Smooths a polygon mesh by the SLIM surface of its vertices (Ohtake, Belyaev, Alexa:
+ * Sparse low-degree implicit surfaces, SGP 2005, Fig. 20): faces get the surface's normals at their
+ * projected centroids, and vertices follow. Edges of machine parts stay sharp, and no face turns
+ * over.
  *
  * A replacement for pcl::MeshSmoothingLaplacianVTK:
  * \code
@@ -24,16 +25,17 @@ namespace pcl_slim {
  * if (!smoother.process(smooth)) std::cerr << smoother.getError().message << "\n";
  * \endcode
  *
- * Vertices and faces keep their order, with every field of the vertices kept; x y z are written
- * in their type, float or double. Vertices with a NaN or infinite coordinate, and those that no face
- * names, stay as they are; faces with such a vertex, with a vertex twice or with fewer than three are
- * ignored. The result is the same for any number of threads.
+ * Vertices and faces keep their order, with every field of the vertices kept; x y z are written in
+ * their type, float or double. Vertices with a NaN or infinite coordinate, and those that no face
+ * names, stay as they are; faces with such a vertex, with a vertex twice or with fewer than three
+ * are ignored. The result is the same for any number of threads.
  *
- * No mesh, one without vertices, without x y z of type float or double, without a usable face, or with
- * a face that names no vertex is an error: the output is then empty and getError() gives the reason.
+ * No mesh, one without vertices, without x y z of type float or double, without a usable face, or
+ * with a face that names no vertex is an error: the output is then empty and getError() gives the
+ * reason.
  *
- * Setters of the fit are those of SLIMFit. setSharpFeatures() keeps or rounds all edges; without a call
- * of it this is decided by the mesh's angles.
+ * Setters of the fit are those of SLIMFit. setSharpFeatures() keeps or rounds all edges; without a
+ * call of it this is decided by the mesh's angles.
  */
 class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
  public:
@@ -68,8 +70,8 @@ class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
 
   // Running --------------------------------------------------------------------------------------
 
-  /** \brief Smooths. \return false with getError() and an empty output when it cannot. The output may
-   * be the input mesh. O(vertices + faces) time and memory. */
+  /** \brief Smooths. \return false with getError() and an empty output when it cannot. The output
+   * may be the input mesh. O(vertices + faces) time and memory. */
   bool process(pcl::PolygonMesh& output);
 
   /** \brief What the last run did and what it left alone. */

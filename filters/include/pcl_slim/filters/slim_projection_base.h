@@ -55,8 +55,7 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
  protected:
   /** \brief Points move alike with trim maps and without: none are made unless requested.
    * \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
-  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points)
-  {
+  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points) {
     params_.trim = false;
   }
   ~SLIMProjectionBase() = default;

@@ -26,9 +26,9 @@ namespace pcl_slim {
  * smoother.process(smooth);
  * \endcode
  *
- * The output has one point for each point of the cloud, or for each index, in the same order. Without
- * indices width and height stay. Header and sensor pose are copied, and so is every field that
- * both point types have. Points equal in place move alike. Points with a NaN or infinite
+ * The output has one point for each point of the cloud, or for each index, in the same order.
+ * Without indices width and height stay. Header and sensor pose are copied, and so is every field
+ * that both point types have. Points equal in place move alike. Points with a NaN or infinite
  * coordinate stay as they are; points that no surfel supports (outliers) keep their place and are
  * listed by getUnsupported(). Numbers are computed in double, relative to the cloud's middle, and
  * rounded to float last. The result is the same for any number of threads.
@@ -37,13 +37,14 @@ namespace pcl_slim {
  * setPenalty() or setTargetError() set how smooth the result is. The output's field curvature is
  * the mean curvature unless setCurvature() is called: MovingLeastSquares writes kSurfaceVariation.
  *
- * With setUpsamplingMethod() the output has other points than the input: those that the surface supports, in
- * a cloud of height 1, with the fields of the input point each belongs to (getCorrespondingIndices()).
+ * With setUpsamplingMethod() the output has other points than the input: those that the surface
+ * supports, in a cloud of height 1, with the fields of the input point each belongs to
+ * (getCorrespondingIndices()).
  *
  * Points that are nowhere a surface (a dozen or fewer, those of lines) stay as they are: a warning,
- * printed as PCL prints warnings and returned by getWarning(). A missing or empty cloud, one without a
- * finite point, and indices out of range are errors: the output is then empty, the error printed as PCL
- * prints errors, and returned by getError().
+ * printed as PCL prints warnings and returned by getWarning(). A missing or empty cloud, one
+ * without a finite point, and indices out of range are errors: the output is then empty, the error
+ * printed as PCL prints errors, and returned by getError().
  *
  * Compiled for all of PCL_XYZ_POINT_TYPES, in and out. For a point type of your own, include
  * pcl_slim/filters/impl/slim_projection_smoother.hpp where you use it.
@@ -79,8 +80,8 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void setSearchMethod(const KdTreePtr& search) { search_ = search; }
   KdTreePtr getSearchMethod() const { return search_; }
 
-  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does, and fits
-   * with them; 0 estimates none (default: none are needed). */
+  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does, and
+   * fits with them; 0 estimates none (default: none are needed). */
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 

@@ -23,12 +23,13 @@ namespace pcl_slim {
  * if (reconstruction.getError()) std::cerr << reconstruction.getError().message << "\n";
  * \endcode
  *
- * Every setter of the fit is there. Closed bodies give closed meshes; open scans give meshes that end where
- * the points do, with their holes. Every edge has at most two triangles, which face the side of the normals.
- * A search method is not needed and not used.
+ * Every setter of the fit is there. Closed bodies give closed meshes; open scans give meshes that
+ * end where the points do, with their holes. Every edge has at most two triangles, which face the
+ * side of the normals. A search method is not needed and not used.
  *
- * A missing or empty cloud, one without a finite point, indices and parameters out of range are errors: the
- * output is then empty, and getError() gives the reason. The result is the same for any number of threads.
+ * A missing or empty cloud, one without a finite point, indices and parameters out of range are
+ * errors: the output is then empty, and getError() gives the reason. The result is the same for any
+ * number of threads.
  *
  * Compiled for the point types SLIMFit is compiled for. For one of your own, include
  * pcl_slim/filters/impl/slim_reconstruction.hpp where you use it.
@@ -44,15 +45,17 @@ class SLIMReconstruction : public pcl::SurfaceReconstruction<PointT>,
 
   SLIMReconstruction() { check_tree_ = false; }
 
-  /** \brief Normals of the input cloud, one for each of its points; null: those of PointT, if any. */
+  /** \brief Normals of the input cloud, one for each of its points; null: those of PointT, if any.
+   */
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
-  /** \brief The mesh with fields x y z, normals, rgb where PointT has colours, and k1 k2 if requested; the
-   * header is the cloud's. O(points + triangles). */
+  /** \brief The mesh with fields x y z, normals, rgb where PointT has colours, and k1 k2 if
+   * requested; the header is the cloud's. O(points + triangles). */
   void reconstruct(pcl::PolygonMesh& output) override;
 
-  /** \brief The same as points of the input's type, with normals and colours where it has such fields. */
+  /** \brief The same as points of the input's type, with normals and colours where it has such
+   * fields. */
   void reconstruct(PointCloud& points, std::vector<pcl::Vertices>& polygons) override;
 
  protected:

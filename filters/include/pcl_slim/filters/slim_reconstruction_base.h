@@ -11,20 +11,21 @@
 
 namespace pcl_slim {
 
-/** \brief Parameters and results of SLIMReconstruction that do not depend on the point type; MeshParams
- * documents each. Values are checked when reconstruct() runs. */
+/** \brief Parameters and results of SLIMReconstruction that do not depend on the point type;
+ * MeshParams documents each. Values are checked when reconstruct() runs. */
 class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 
   // Parameters -----------------------------------------------------------------------------------
 
-  /** \brief All parameters of the mesh together; threads and trimming are those of the fit's setters. */
+  /** \brief All parameters of the mesh together; threads and trimming are those of the fit's
+   * setters. */
   void setMeshParams(const MeshParams& params) { mesh_params_ = params; }
   const MeshParams& getMeshParams() const { return mesh_params_; }
 
-  /** \brief Largest distance between mesh and surface, in the cloud's units; 0 (default): a quarter of the
-   * noise, and at least 1e-4 of the diagonal. */
+  /** \brief Largest distance between mesh and surface, in the cloud's units; 0 (default): a quarter
+   * of the noise, and at least 1e-4 of the diagonal. */
   void setTolerance(double tolerance) { mesh_params_.tolerance = tolerance; }
   double getTolerance() const { return mesh_params_.tolerance; }
 
@@ -32,8 +33,8 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   void setMaxTriangles(std::uint64_t count) { mesh_params_.max_triangles = count; }
   std::uint64_t getMaxTriangles() const { return mesh_params_.max_triangles; }
 
-  /** \brief Holes of the data are closed unless as large as a disc of this diameter, in spacings of the points
-   * (default 6); 0 keeps all. */
+  /** \brief Holes of the data are closed unless as large as a disc of this diameter, in spacings of
+   * the points (default 6); 0 keeps all. */
   void setHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
   double getHoleSize() const { return mesh_params_.hole_size; }
 
@@ -53,8 +54,8 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   void setComputeCurvature(bool compute) { compute_curvature_ = compute; }
   bool getComputeCurvature() const { return compute_curvature_; }
 
-  /** \brief Whether vertices get the colours of the points nearest to them, where PointT has any (default
-   * on). */
+  /** \brief Whether vertices get the colours of the points nearest to them, where PointT has any
+   * (default on). */
   void setColors(bool colors) { colors_ = colors; }
   bool getColors() const { return colors_; }
 
@@ -73,8 +74,8 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
 
   /** \brief Forgets the last run. */
   void clearMesh();
-  /** \brief Fits unless there is a surface, and extracts the mesh. \param[in] colors of the points, or
-   * none. \return whether there is one; getError() gives the reason if not. */
+  /** \brief Fits unless there is a surface, and extracts the mesh. \param[in] colors of the points,
+   * or none. \return whether there is one; getError() gives the reason if not. */
   bool makeMesh(const CloudView& cloud, const ColorView& colors);
 
   MeshParams mesh_params_;

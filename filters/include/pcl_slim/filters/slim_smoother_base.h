@@ -17,8 +17,8 @@
 
 namespace pcl_slim {
 
-/** \brief The parameters that SLIMProjectionSmoother shares with pcl::MovingLeastSquares, by the same
- * names, and what they mean here; they do not depend on the point types.
+/** \brief The parameters that SLIMProjectionSmoother shares with pcl::MovingLeastSquares, by the
+ * same names, and what they mean here; they do not depend on the point types.
  *
  * Values are checked when process() runs. No setter changes what another one has set. */
 class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
@@ -55,29 +55,31 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   void setDilationIterations(int iterations) { dilations_ = iterations; }
   int getDilationIterations() const { return dilations_; }
 
-  /** \brief The input point that each output point belongs to: itself, or the nearest one. Null before the
-   * first run. */
+  /** \brief The input point that each output point belongs to: itself, or the nearest one. Null
+   * before the first run. */
   pcl::PointIndicesPtr getCorrespondingIndices() const { return corresponding_; }
 
   // How smooth -----------------------------------------------------------------------------------
 
-  /** \brief No detail finer than this radius is kept, in the cloud's units; 0 (default): what is detail is
-   * measured.
+  /** \brief No detail finer than this radius is kept, in the cloud's units; 0 (default): what is
+   * detail is measured.
    *
-   * Sets the least radius of the surface's balls to the one at which a fit averages the noise as much as
-   * pcl::MovingLeastSquares with this radius and order 2 does: 1.42 radii up to degree 3, 1.97 for
-   * degree 4. Wider balls are chosen as without it. */
+   * Sets the least radius of the surface's balls to the one at which a fit averages the noise as
+   * much as pcl::MovingLeastSquares with this radius and order 2 does: 1.42 radii up to degree 3,
+   * 1.97 for degree 4. Wider balls are chosen as without it. */
   void setSearchRadius(double radius) { search_radius_ = radius; }
   double getSearchRadius() const { return search_radius_; }
 
-  /** \brief Accepted and unused, with a warning: the weights' width follows from each ball's radius. */
+  /** \brief Accepted and unused, with a warning: the weights' width follows from each ball's
+   * radius. */
   void setSqrGaussParam(double value);
   double getSqrGaussParam() const;
 
   // Output ---------------------------------------------------------------------------------------
 
-  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive where the
-   * surface bends away from the normal) as the field curvature, where PointOutT has them. On by default: they are exact and nearly free. Off, those fields are copied like others.
+  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive
+   * where the surface bends away from the normal) as the field curvature, where PointOutT has them.
+   * On by default: they are exact and nearly free. Off, those fields are copied like others.
    *
    * A normal points to the side of the input's normal at that point, if there is one; otherwise
    * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
@@ -94,7 +96,6 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     kMaximum,          ///< k1, the larger principal curvature, 1/length
     kMinimum,          ///< k2, 1/length
     kSurfaceVariation  ///< what pcl::MovingLeastSquares writes: the least eigenvalue's share of the
-                       ///< covariance within the search radius, 0 to 1/3
   };
 
   /** \brief Chooses it. kSurfaceVariation is computed from the curvatures and the noise, and needs
@@ -102,17 +103,18 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   void setCurvature(Curvature curvature) { curvature_ = curvature; }
   Curvature getCurvature() const { return curvature_; }
 
-  // Of MovingLeastSquares, without a meaning here --------------------------------------------------
+  // Of MovingLeastSquares, without a meaning here
+  // --------------------------------------------------
 
-  /** \brief Accepted and unused, with a warning if on: the surface itself is the result that is kept
-   * (getFittedSurface()). */
+  /** \brief Accepted and unused, with a warning if on: the surface itself is the result that is
+   * kept (getFittedSurface()). */
   void setCacheMLSResults(bool cache);
   bool getCacheMLSResults() const { return cache_results_; }
   /** \brief None are made: empty. */
   const std::vector<pcl::MLSResult>& getMLSResults() const { return mls_results_; }
 
-  /** \brief Accepted and unused, with a warning: points go to their foot on the surface (equations 6 and
-   * 7 of Ohtake, Belyaev, Alexa 2005). */
+  /** \brief Accepted and unused, with a warning: points go to their foot on the surface (equations
+   * 6 and 7 of Ohtake, Belyaev, Alexa 2005). */
   void setProjectionMethod(pcl::MLSResult::ProjectionMethod method);
   pcl::MLSResult::ProjectionMethod getProjectionMethod() const { return projection_method_; }
 
@@ -137,8 +139,8 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     std::size_t from, to, count;
   };
 
-  /** \brief The output as bytes; offsets of its fields within a point, or kNoField. Three floats each, but
-   * for the curvature. */
+  /** \brief The output as bytes; offsets of its fields within a point, or kNoField. Three floats
+   * each, but for the curvature. */
   struct Target {
     std::size_t step = 0, position = 0, normal = kNoField, curvature = kNoField;
     std::vector<pcl::PCLPointField> fields;
@@ -151,31 +153,33 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     bool* is_dense = nullptr;
   };
 
-  /** \brief A cloud to smooth and what describes it; impl/slim_projection_smoother.hpp defines it. */
+  /** \brief A cloud to smooth and what describes it; impl/slim_projection_smoother.hpp defines it.
+   */
   template <typename PointT>
   struct Input;
 
-  /** \brief What copies the fields that two point types have by the same names, rgb and rgba being one. */
+  /** \brief What copies the fields that two point types have by the same names, rgb and rgba being
+   * one. */
   static std::vector<CommonBytes> commonFields(const std::vector<pcl::PCLPointField>& from,
                                                const std::vector<pcl::PCLPointField>& to);
   /** \brief Describes a pcl::PointCloud<PointT>. */
   template <typename PointT>
   static Target targetOf(void* cloud);
-  /** \brief Runs, and gives the output the input's header, sensor and, where its points are the input's,
-   * rows. \param[in] target_of the targetOf() of the output's type \param[in] same whether that is the
-   * input's */
+  /** \brief Runs, and gives the output the input's header, sensor and, where its points are the
+   * input's, rows. \param[in] target_of the targetOf() of the output's type \param[in] same whether
+   * that is the input's */
   template <typename PointT>
   void smoothInput(const Input<PointT>& input, void* output, Target (*target_of)(void*), bool same);
-  /** \brief Performs a run into a cloud apart, because output may be the input, and prints what it has to say.
-   * Output is empty after an error. */
+  /** \brief Performs a run into a cloud apart, because output may be the input, and prints what it
+   * has to say. Output is empty after an error. */
   template <typename PointT>
   void processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
                     pcl::PointCloud<PointT>& output);
   /** \brief Prints the error and the warning of a run, if there are any. */
   void complain() const;
 
-  /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite. \return
-   * whether they are the input's own; getError() gives the reason if there are none. */
+  /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite.
+   * \return whether they are the input's own; getError() gives the reason if there are none. */
   bool run(const Source& source, const Target& target, bool& dense);
 
   bool compute_normals_ = true;
@@ -191,8 +195,8 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
  private:
   struct Candidates;
 
-  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether a
-   * distinct cloud is set. */
+  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether
+   * a distinct cloud is set. */
   Error checkSmoother(bool has_distinct) const;
   /** \brief Fits with the least radius of balls for the search radius, and projects; see
    * SLIMProjectionBase::project(). */

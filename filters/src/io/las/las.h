@@ -23,27 +23,21 @@ struct LasItem {
 };
 
 /** The values of a point data record format, 0 to 10, in the record's order. */
-std::vector<LasItem>
-lasItems(int format);
+std::vector<LasItem> lasItems(int format);
 
 /** Bytes of a record of this format without extra bytes. */
-std::size_t
-lasRecordBytes(int format);
+std::size_t lasRecordBytes(int format);
 
 /** A little-endian value at any address; this machine's order is the same. */
 template <typename T>
-T
-getLas(const unsigned char* at)
-{
+T getLas(const unsigned char* at) {
   T value;
   std::memcpy(&value, at, sizeof(value));
   return value;
 }
 
 template <typename T>
-void
-putLas(std::vector<unsigned char>& bytes, std::size_t at, T value)
-{
+void putLas(std::vector<unsigned char>& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
 }
 
@@ -77,18 +71,16 @@ struct LasHeader {
   std::vector<LasExtra> extras;  ///< they fill the records' rest
 };
 
-/** Reads the header and the VLRs. \param[in] bytes those before the points, at least; \param[in] size of
- * the whole file, in bytes. */
-Result<LasHeader>
-parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size);
+/** Reads the header and the VLRs. \param[in] bytes those before the points, at least; \param[in]
+ * size of the whole file, in bytes. */
+Result<LasHeader> parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size);
 
-/** The header of a new file, version 1.4, of a point format from 6 on; counts, box and record length
- * are put in when it is written. */
-std::vector<unsigned char>
-newLasHead(int format);
+/** The header of a new file, version 1.4, of a point format from 6 on; counts, box and record
+ * length are put in when it is written. */
+std::vector<unsigned char> newLasHead(int format);
 
 /** A head with the VLR of extra bytes replaced, or taken away where there are no extras. */
-Result<std::vector<unsigned char>>
-withExtras(const std::vector<unsigned char>& head, const std::vector<LasExtra>& extras);
+Result<std::vector<unsigned char>> withExtras(const std::vector<unsigned char>& head,
+                                              const std::vector<LasExtra>& extras);
 
 }  // namespace pcl_slim

@@ -22,9 +22,7 @@ constexpr Groups kGroups[kMostLasFormat + 1] = {
     {true, false, false, true},   {true, true, true, true}};
 
 /** Formats 0 to 5. */
-std::vector<LasItem>
-oldCore()
-{
+std::vector<LasItem> oldCore() {
   return {{"intensity", kUInt16, 12},
           {"return_number", kUInt8, 14, 0, 3},
           {"number_of_returns", kUInt8, 14, 3, 3},
@@ -40,9 +38,7 @@ oldCore()
 }
 
 /** Formats 6 to 10. */
-std::vector<LasItem>
-newCore()
-{
+std::vector<LasItem> newCore() {
   return {{"intensity", kUInt16, 12},
           {"return_number", kUInt8, 14, 0, 4},
           {"number_of_returns", kUInt8, 14, 4, 4},
@@ -60,10 +56,8 @@ newCore()
 }
 
 /** Appends values one after another. */
-void
-append(std::vector<LasItem>& items, std::size_t& offset, std::uint8_t type,
-       std::initializer_list<const char*> names)
-{
+void append(std::vector<LasItem>& items, std::size_t& offset, std::uint8_t type,
+            std::initializer_list<const char*> names) {
   for (const char* name : names) {
     items.push_back({name, type, offset});
     offset += scalarSize(type);
@@ -71,9 +65,7 @@ append(std::vector<LasItem>& items, std::size_t& offset, std::uint8_t type,
 }
 
 /** The values, and the bytes of a record. */
-std::size_t
-layOut(int format, std::vector<LasItem>& items)
-{
+std::size_t layOut(int format, std::vector<LasItem>& items) {
   const Groups& groups = kGroups[format];
   items = format < 6 ? oldCore() : newCore();
   std::size_t offset = format < 6 ? 20 : 22;
@@ -105,9 +97,7 @@ struct Vlr {
 };
 
 /** The VLRs of a head, as far as the header's bytes contain them. */
-std::vector<Vlr>
-findVlrs(const std::vector<unsigned char>& head, const LasHeader& header)
-{
+std::vector<Vlr> findVlrs(const std::vector<unsigned char>& head, const LasHeader& header) {
   std::vector<Vlr> vlrs;
   const auto count = getLas<std::uint32_t>(head.data() + LasAt::kNumVlrs);
   std::size_t at = header.header_bytes;
@@ -123,9 +113,7 @@ findVlrs(const std::vector<unsigned char>& head, const LasHeader& header)
   return vlrs;
 }
 
-std::string
-nameIn(const unsigned char* record)
-{
+std::string nameIn(const unsigned char* record) {
   const char* text = reinterpret_cast<const char*>(record + 4);
   std::string name(text, std::find(text, text + 32, '\0'));
   for (char& c : name) {
@@ -135,9 +123,7 @@ nameIn(const unsigned char* record)
 }
 
 /** What a record of the VLR describes. */
-LasExtra
-extraOf(const unsigned char* record)
-{
+LasExtra extraOf(const unsigned char* record) {
   LasExtra extra;
   const int type = record[2];
   extra.record.assign(record, record + kExtraBytes);
@@ -154,9 +140,7 @@ extraOf(const unsigned char* record)
 }
 
 /** Gives fields of one name different ones. */
-void
-makeNamesUnique(int format, std::vector<LasExtra>& extras)
-{
+void makeNamesUnique(int format, std::vector<LasExtra>& extras) {
   std::vector<std::string> taken = {"x", "y", "z"};
   for (const LasItem& item : lasItems(format)) taken.push_back(item.name);
   for (LasExtra& extra : extras) {
@@ -168,9 +152,7 @@ makeNamesUnique(int format, std::vector<LasExtra>& extras)
 }
 
 /** Describes the bytes of a record behind its format's. */
-void
-findExtras(const std::vector<unsigned char>& bytes, LasHeader& header)
-{
+void findExtras(const std::vector<unsigned char>& bytes, LasHeader& header) {
   std::size_t left = header.record_bytes - lasRecordBytes(header.format);
   for (const Vlr& vlr : findVlrs(bytes, header)) {
     if (!vlr.holds_extras || !header.extras.empty()) continue;
@@ -186,16 +168,12 @@ findExtras(const std::vector<unsigned char>& bytes, LasHeader& header)
   makeNamesUnique(header.format, header.extras);
 }
 
-Error
-corrupted(const std::string& what)
-{
+Error corrupted(const std::string& what) {
   return badInput("the LAS file's header is corrupted: " + what + "; copy it again");
 }
 
 /** Version, sizes and format. */
-Error
-readSizes(const std::vector<unsigned char>& bytes, LasHeader& header)
-{
+Error readSizes(const std::vector<unsigned char>& bytes, LasHeader& header) {
   const unsigned char* p = bytes.data();
   if (bytes.size() < 4 || std::memcmp(p, "LASF", 4) != 0)
     return badInput("not a LAS file: it does not start with 'LASF'; name a LAS file");
@@ -227,9 +205,7 @@ readSizes(const std::vector<unsigned char>& bytes, LasHeader& header)
 }
 
 /** Number of points, units. */
-Error
-readUnits(const std::vector<unsigned char>& bytes, std::uint64_t size, LasHeader& header)
-{
+Error readUnits(const std::vector<unsigned char>& bytes, std::uint64_t size, LasHeader& header) {
   const unsigned char* p = bytes.data();
   header.points = getLas<std::uint32_t>(p + LasAt::kOldCount);
   if (header.minor == 4) {
@@ -255,9 +231,7 @@ readUnits(const std::vector<unsigned char>& bytes, std::uint64_t size, LasHeader
 }
 
 /** A record for a value that none describes yet. */
-std::vector<unsigned char>
-recordOf(const LasExtra& extra)
-{
+std::vector<unsigned char> recordOf(const LasExtra& extra) {
   std::vector<unsigned char> record(kExtraBytes, 0);
   const auto type = std::find(kExtraTypes + 1, std::end(kExtraTypes), extra.type);
   const bool scalar = extra.count == 1 && type != std::end(kExtraTypes);
@@ -269,30 +243,22 @@ recordOf(const LasExtra& extra)
 
 }  // namespace
 
-std::vector<LasItem>
-lasItems(int format)
-{
+std::vector<LasItem> lasItems(int format) {
   std::vector<LasItem> items;
   layOut(format, items);
   return items;
 }
 
-std::size_t
-lasRecordBytes(int format)
-{
+std::size_t lasRecordBytes(int format) {
   std::vector<LasItem> items;
   return layOut(format, items);
 }
 
-std::size_t
-LasExtra::bytes() const
-{
+std::size_t LasExtra::bytes() const {
   return scalarSize(type) * count;
 }
 
-Result<LasHeader>
-parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size)
-{
+Result<LasHeader> parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size) {
   LasHeader header;
   if (Error error = readSizes(bytes, header)) return error;
   if (Error error = readUnits(bytes, size, header)) return error;
@@ -300,9 +266,7 @@ parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size)
   return header;
 }
 
-std::vector<unsigned char>
-newLasHead(int format)
-{
+std::vector<unsigned char> newLasHead(int format) {
   std::vector<unsigned char> head(kLasHeaderBytes, 0);
   std::memcpy(head.data(), "LASF", 4);
   putLas<std::uint16_t>(head, LasAt::kGlobalEncoding, 1u << 4);  // coordinate systems as WKT
@@ -318,9 +282,8 @@ newLasHead(int format)
   return head;
 }
 
-Result<std::vector<unsigned char>>
-withExtras(const std::vector<unsigned char>& head, const std::vector<LasExtra>& extras)
-{
+Result<std::vector<unsigned char>> withExtras(const std::vector<unsigned char>& head,
+                                              const std::vector<LasExtra>& extras) {
   const Result<LasHeader> header = parseLasHeader(head, ~std::uint64_t{0});
   if (!header) return header.error();
   std::vector<unsigned char> made(head.begin(),
@@ -365,11 +328,9 @@ struct Move {
   int shift = 0, bits = 0;
 };
 
-/** The fields of the cloud, and how a record fills them. A point's bytes are a multiple of 8, so that
- * coordinates can be used in place. */
-std::vector<Move>
-layOut(const LasHeader& header, pcl::PCLPointCloud2& cloud)
-{
+/** The fields of the cloud, and how a record fills them. A point's bytes are a multiple of 8, so
+ * that coordinates can be used in place. */
+std::vector<Move> layOut(const LasHeader& header, pcl::PCLPointCloud2& cloud) {
   std::vector<Move> moves;
   for (const char* axis : {"x", "y", "z"}) addField(cloud, axis, kFloat64);
   for (const LasItem& item : lasItems(header.format)) {
@@ -391,10 +352,8 @@ layOut(const LasHeader& header, pcl::PCLPointCloud2& cloud)
   return moves;
 }
 
-void
-readRecord(const unsigned char* record, const LasHeader& header, const std::vector<Move>& moves,
-           std::uint8_t* point)
-{
+void readRecord(const unsigned char* record, const LasHeader& header,
+                const std::vector<Move>& moves, std::uint8_t* point) {
   double xyz[3];
   for (std::size_t a = 0; a < 3; ++a) {
     xyz[a] = getLas<std::int32_t>(record + 4 * a) * header.scale[a] + header.offset[a];
@@ -412,9 +371,7 @@ readRecord(const unsigned char* record, const LasHeader& header, const std::vect
 
 }  // namespace
 
-Result<PointFile>
-parseLas(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseLas(const std::vector<unsigned char>& bytes) {
   const Result<LasHeader> header = parseLasHeader(bytes, bytes.size());
   if (!header) return header.error();
   PointFile file;

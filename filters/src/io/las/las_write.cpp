@@ -42,18 +42,14 @@ constexpr double kMostCode = 2147483647.0;
 constexpr int kMostRefinement = 6;  ///< decimals; a scan's own are not far above its noise
 
 /** Whether the units bring a coordinate back bit by bit. */
-bool
-isExact(const LasUnits& units, double value, std::size_t a)
-{
+bool isExact(const LasUnits& units, double value, std::size_t a) {
   const double code = std::round((value - units.offset[a]) / units.scale[a]);
   return code >= -kMostCode - 1 && code <= kMostCode &&
          code * units.scale[a] + units.offset[a] == value;
 }
 
 /** Units of the cloud's own: decimal, a billionth of its extent. */
-void
-chooseUnits(LasUnits& units)
-{
+void chooseUnits(LasUnits& units) {
   for (std::size_t a = 0; a < 3; ++a) {
     const double extent = std::max(units.high[a] - units.low[a], 1e-6 * std::abs(units.high[a]));
     units.scale[a] = extent > 0 ? std::pow(10.0, std::ceil(std::log10(extent)) - 9) : 1e-9;
@@ -62,10 +58,9 @@ chooseUnits(LasUnits& units)
   }
 }
 
-/** The file's scales over the largest power of ten that lets every coordinate fit; none fits: false. */
-bool
-refineUnits(LasUnits& units)
-{
+/** The file's scales over the largest power of ten that lets every coordinate fit; none fits:
+ * false. */
+bool refineUnits(LasUnits& units) {
   double room = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     const double reach = std::max(std::abs(units.low[a] - units.offset[a]),
@@ -80,32 +75,26 @@ refineUnits(LasUnits& units)
 }
 
 LasPositions::LasPositions(const pcl::PCLPointCloud2& cloud)
-    : cloud_(cloud), size_(numPoints(cloud))
-{
+    : cloud_(cloud), size_(numPoints(cloud)) {
   const char* const names[3] = {"x", "y", "z"};
   for (std::size_t a = 0; a < 3; ++a)
     fields_[a] = &cloud.fields[static_cast<std::size_t>(findField(cloud, names[a]))];
 }
 
-double
-LasPositions::at(std::size_t point, std::size_t axis) const
-{
+double LasPositions::at(std::size_t point, std::size_t axis) const {
   return fieldValue(cloud_, point, *fields_[axis]);
 }
 
-std::int32_t
-LasUnits::code(double value, std::size_t axis) const
-{
+std::int32_t LasUnits::code(double value, std::size_t axis) const {
   const double code = std::round((value - offset[axis]) / scale[axis]);
   return static_cast<std::int32_t>(std::clamp(code, -kMostCode - 1, kMostCode));
 }
 
-/** The units of a file, or finer ones where its own cannot represent the coordinates, as after smoothing:
- * its scale over a power of ten, up to 10^6, as far as 32 bits reach. \param[in] given the file's
- * header, or null for units of the cloud's own. \return an error for coordinates that are not finite. */
-Result<LasUnits>
-lasUnits(const LasPositions& positions, const LasHeader* given)
-{
+/** The units of a file, or finer ones where its own cannot represent the coordinates, as after
+ * smoothing: its scale over a power of ten, up to 10^6, as far as 32 bits reach. \param[in] given
+ * the file's header, or null for units of the cloud's own. \return an error for coordinates that
+ * are not finite. */
+Result<LasUnits> lasUnits(const LasPositions& positions, const LasHeader* given) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   LasUnits units;
   units.low.fill(positions.size() > 0 ? kInfinity : 0.0);
@@ -162,23 +151,18 @@ struct ExtraSource {
   std::size_t from = 0;
 };
 
-std::size_t
-countOf(const pcl::PCLPointField& field)
-{
+std::size_t countOf(const pcl::PCLPointField& field) {
   return std::max<std::size_t>(field.count, 1);
 }
 
-const pcl::PCLPointField*
-fieldNamed(const pcl::PCLPointCloud2& cloud, const std::string& name)
-{
+const pcl::PCLPointField* fieldNamed(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   const int i = findField(cloud, name);
   return i < 0 ? nullptr : &cloud.fields[static_cast<std::size_t>(i)];
 }
 
 /** Whether every point's number is one that the item can have. */
-bool
-fitsItem(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField& field, const LasItem& item)
-{
+bool fitsItem(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField& field,
+              const LasItem& item) {
   if (countOf(field) != 1) return false;
   if (item.type == kFloat32 || item.type == kFloat64) return item.type == kFloat64;
   const bool is_signed = item.type == kInt8 || item.type == kInt16;
@@ -196,8 +180,7 @@ class Planner {
  public:
   explicit Planner(const PointFile& file) : file_(file), cloud_(file.cloud) {}
 
-  Result<LasPlan> plan()
-  {
+  Result<LasPlan> plan() {
     for (const char* axis : {"x", "y", "z"}) {
       const pcl::PCLPointField* field = fieldNamed(cloud_, axis);
       if (!field) return badInput("these points have no fields x y z; LAS needs them");
@@ -211,8 +194,7 @@ class Planner {
   }
 
  private:
-  const pcl::PCLPointField* packedColor() const
-  {
+  const pcl::PCLPointField* packedColor() const {
     for (const char* name : {"rgb", "rgba"}) {
       const pcl::PCLPointField* field = fieldNamed(cloud_, name);
       if (field && scalarSize(field->datatype) == 4 && countOf(*field) == 1) return field;
@@ -220,8 +202,7 @@ class Planner {
     return nullptr;
   }
 
-  Error takeHead()
-  {
+  Error takeHead() {
     const bool colored = packedColor() != nullptr || fieldNamed(cloud_, "red") != nullptr;
     plan_.head = file_.las_head.empty() ? newLasHead(colored ? 7 : 6) : file_.las_head;
     Result<LasHeader> header = parseLasHeader(plan_.head, ~std::uint64_t{0});
@@ -230,8 +211,7 @@ class Planner {
     return {};
   }
 
-  void takeItem(const LasItem& item)
-  {
+  void takeItem(const LasItem& item) {
     const pcl::PCLPointField* field = fieldNamed(cloud_, item.name);
     if (item.name == "return_number") plan_.single_returns = !field && file_.las_head.empty();
     if (!field) return;
@@ -247,8 +227,7 @@ class Planner {
   }
 
   /** Colours of 8 bits that PCL packs into one field. */
-  void takeColor()
-  {
+  void takeColor() {
     const pcl::PCLPointField* packed = packedColor();
     if (!packed || fieldNamed(cloud_, "red")) return;
     for (const LasItem& item : lasItems(plan_.header.format)) {
@@ -258,8 +237,7 @@ class Planner {
   }
 
   /** The extra value that the file read has for a field, or null. */
-  const LasExtra* describedExtra(const pcl::PCLPointField& field) const
-  {
+  const LasExtra* describedExtra(const pcl::PCLPointField& field) const {
     for (const LasExtra& extra : plan_.header.extras) {
       if (extra.name == field.name && extra.type == field.datatype && extra.count == countOf(field))
         return &extra;
@@ -267,8 +245,7 @@ class Planner {
     return nullptr;
   }
 
-  std::vector<ExtraSource> extraSources() const
-  {
+  std::vector<ExtraSource> extraSources() const {
     std::vector<ExtraSource> sources;
     for (const pcl::PCLPointField& field : cloud_.fields) {
       if (std::count(used_.begin(), used_.end(), &field) > 0) continue;
@@ -286,8 +263,7 @@ class Planner {
     return sources;
   }
 
-  bool sameAsRead(const std::vector<LasExtra>& extras) const
-  {
+  bool sameAsRead(const std::vector<LasExtra>& extras) const {
     const auto same = [](const LasExtra& a, const LasExtra& b) {
       return a.name == b.name && a.type == b.type && a.count == b.count;
     };
@@ -296,8 +272,7 @@ class Planner {
   }
 
   /** Names of values that the format has, which extra ones cannot take. */
-  static Error checkExtra(const LasExtra& extra, int format)
-  {
+  static Error checkExtra(const LasExtra& extra, int format) {
     for (const LasItem& item : lasItems(format)) {
       if (item.name == extra.name) {
         return {ErrorCode::kBadInput, "the field '" + extra.name +
@@ -312,8 +287,7 @@ class Planner {
                 "which LAS cannot hold; write .pcd"};
   }
 
-  Error takeExtras()
-  {
+  Error takeExtras() {
     std::vector<LasExtra> extras;
     std::size_t to = lasRecordBytes(plan_.header.format);
     for (ExtraSource& source : extraSources()) {
@@ -341,17 +315,13 @@ class Planner {
   std::vector<const pcl::PCLPointField*> used_;
 };
 
-/** Plans the file: fields of a value's name and type become that value, others extra bytes that a VLR
- * describes. \return an error for fields that do not fit. The cloud must outlive the plan. */
-Result<LasPlan>
-planLas(const PointFile& file)
-{
+/** Plans the file: fields of a value's name and type become that value, others extra bytes that a
+ * VLR describes. \return an error for fields that do not fit. The cloud must outlive the plan. */
+Result<LasPlan> planLas(const PointFile& file) {
   return Planner(file).plan();
 }
 
-void
-putNumber(unsigned char* at, std::uint8_t type, double value)
-{
+void putNumber(unsigned char* at, std::uint8_t type, double value) {
   const auto put = [at](auto number) { std::memcpy(at, &number, sizeof(number)); };
   switch (type) {
     case kUInt8: return put(static_cast<std::uint8_t>(value));
@@ -367,16 +337,14 @@ putNumber(unsigned char* at, std::uint8_t type, double value)
 /** Writes the records. */
 class RecordWriter {
  public:
-  RecordWriter(const pcl::PCLPointCloud2& cloud, const LasPlan& plan) : cloud_(cloud), plan_(plan)
-  {
+  RecordWriter(const pcl::PCLPointCloud2& cloud, const LasPlan& plan) : cloud_(cloud), plan_(plan) {
     for (const LasItem& item : lasItems(plan.header.format)) {
       if (item.name == "red") red_at_ = item.offset;
     }
   }
 
   void write(std::size_t i, const LasUnits& units, const LasPositions& positions,
-             unsigned char* record) const
-  {
+             unsigned char* record) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const std::int32_t code = units.code(positions.at(i, a), a);
       std::memcpy(record + 4 * a, &code, sizeof(code));
@@ -395,8 +363,7 @@ class RecordWriter {
   }
 
  private:
-  void convert(std::size_t i, const LasConversion& conversion, unsigned char* record) const
-  {
+  void convert(std::size_t i, const LasConversion& conversion, unsigned char* record) const {
     const LasItem& item = conversion.item;
     const double value = fieldValue(cloud_, i, *conversion.field);
     if (item.bits == 0)
@@ -406,8 +373,7 @@ class RecordWriter {
   }
 
   /** From blue, green, red of 8 bits to red, green, blue of 16. */
-  static void writeColor(const std::uint8_t* bgr, unsigned char* record)
-  {
+  static void writeColor(const std::uint8_t* bgr, unsigned char* record) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto value = static_cast<std::uint16_t>(257 * bgr[2 - k]);
       std::memcpy(record + 2 * k, &value, sizeof(value));
@@ -420,9 +386,7 @@ class RecordWriter {
 };
 
 /** The box in the header, where it is not that of the file read to within its own scale. */
-void
-putBox(const LasUnits& units, std::vector<unsigned char>& bytes)
-{
+void putBox(const LasUnits& units, std::vector<unsigned char>& bytes) {
   for (std::size_t a = 0; a < 3; ++a) {
     const double ends[2] = {units.high[a], units.low[a]};
     for (std::size_t k = 0; k < 2; ++k) {
@@ -435,9 +399,7 @@ putBox(const LasUnits& units, std::vector<unsigned char>& bytes)
 }
 
 /** Counts of all points and of those of each return, where the file read had other ones. */
-void
-putCounts(const PointFile& file, const LasPlan& plan, std::vector<unsigned char>& bytes)
-{
+void putCounts(const PointFile& file, const LasPlan& plan, std::vector<unsigned char>& bytes) {
   const std::size_t n = numPoints(file.cloud);
   if (n == plan.header.points && !file.las_head.empty()) return;
   std::uint64_t returns[15] = {};
@@ -458,10 +420,8 @@ putCounts(const PointFile& file, const LasPlan& plan, std::vector<unsigned char>
 }
 
 /** Moves the addresses of what follows the points. */
-void
-moveTail(std::uint64_t was, std::uint64_t is, const LasHeader& header,
-         std::vector<unsigned char>& bytes)
-{
+void moveTail(std::uint64_t was, std::uint64_t is, const LasHeader& header,
+              std::vector<unsigned char>& bytes) {
   const auto move = [&](std::size_t at) {
     const auto address = getLas<std::uint64_t>(bytes.data() + at);
     if (address >= was) putLas(bytes, at, address - was + is);
@@ -473,9 +433,7 @@ moveTail(std::uint64_t was, std::uint64_t is, const LasHeader& header,
 
 }  // namespace
 
-Result<std::vector<unsigned char>>
-formatLas(const PointFile& file)
-{
+Result<std::vector<unsigned char>> formatLas(const PointFile& file) {
   const Result<LasPlan> plan = planLas(file);
   if (!plan) return plan.error();
   const LasPositions positions(file.cloud);

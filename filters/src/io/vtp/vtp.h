@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/PCLPointField.h>
 #include <cstddef>
 #include <cstdint>
-#include <pcl/PCLPointField.h>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,31 +23,26 @@ inline constexpr const char* kVtpAlphaArray = "alpha";  ///< the fourth
 inline constexpr const char* kVtpCoordinates[3] = {"x", "y", "z"};
 inline constexpr const char* kVtpNormals[3] = {"normal_x", "normal_y", "normal_z"};
 
-inline bool
-isNameOf(const char* const (&names)[3], const std::string& name)
-{
+inline bool isNameOf(const char* const (&names)[3], const std::string& name) {
   return name == names[0] || name == names[1] || name == names[2];
 }
 
 /** Whether a field packs a colour into four bytes. */
-inline bool
-isPackedColor(const pcl::PCLPointField& field)
-{
+inline bool isPackedColor(const pcl::PCLPointField& field) {
   return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4 &&
          field.count <= 1;
 }
 
 /** No error where this build has VTK's reader and writer; otherwise names what to give instead of
  * path. The functions below give the same error then. */
-Error
-checkVtp(const std::string& path);
+Error checkVtp(const std::string& path);
 
-/** Writes points as VTK's XML PolyData, bit for bit: "Normals" for the normals, "RGB" (and "alpha", unless
- * it is 0 in a field rgb) for a packed colour, for each other field an array of its name, type and
- * count, comments as strings of the field data. Faces become polygons; without faces each point that
- * has finite coordinates is a vertex cell. Rows of an organised cloud and the sensor are not kept. */
-Error
-saveVtp(const std::string& path, const PointFile& file);
+/** Writes points as VTK's XML PolyData, bit for bit: "Normals" for the normals, "RGB" (and "alpha",
+ * unless it is 0 in a field rgb) for a packed colour, for each other field an array of its name,
+ * type and count, comments as strings of the field data. Faces become polygons; without faces each
+ * point that has finite coordinates is a vertex cell. Rows of an organised cloud and the sensor are
+ * not kept. */
+Error saveVtp(const std::string& path, const PointFile& file);
 
 /** An array of points as saveVtp() writes it. */
 struct VtpColumn {
@@ -57,17 +52,13 @@ struct VtpColumn {
 };
 
 /** The arrays that saveVtp() writes for points, without their coordinates. */
-Result<std::vector<VtpColumn>>
-vtpColumns(const PointFile& file);
+Result<std::vector<VtpColumn>> vtpColumns(const PointFile& file);
 
 /** Reads what saveVtp() or VTK has written: points, their arrays as fields, and polygons. */
-Result<PointFile>
-parseVtp(const std::vector<unsigned char>& bytes);
+Result<PointFile> parseVtp(const std::vector<unsigned char>& bytes);
 
 /** The vertices of a line in order; a closed one's first again at the end. */
-inline std::vector<std::uint32_t>
-pathOf(const CrestLines& lines, std::size_t line)
-{
+inline std::vector<std::uint32_t> pathOf(const CrestLines& lines, std::size_t line) {
   std::vector<std::uint32_t> path;
   for (std::uint32_t v = lines.line_begin[line]; v < lines.line_begin[line + 1]; ++v) {
     path.push_back(v);
@@ -77,12 +68,10 @@ pathOf(const CrestLines& lines, std::size_t line)
 }
 
 /** Writes lines as VTK polylines. */
-Error
-saveCrestVtp(const std::string& path, const CrestLines& lines);
+Error saveCrestVtp(const std::string& path, const CrestLines& lines);
 
 /** Writes triangles as VTK polygons. \param[in] narrow floats keep the vertices where they are */
-Error
-saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow);
+Error saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow);
 
 /** An array that a VTK XML file announces. */
 struct VtpArray {
@@ -107,9 +96,8 @@ struct VtpMarkup {
   bool big_endian = false, wide_headers = false, zlib = false;
 };
 
-/** Reads the markup of a VTK XML PolyData file of one piece. Accepts only elements, attributes' values
- * and counts that make sense; an error names the first that does not. */
-Result<VtpMarkup>
-parseVtpMarkup(std::string_view text);
+/** Reads the markup of a VTK XML PolyData file of one piece. Accepts only elements, attributes'
+ * values and counts that make sense; an error names the first that does not. */
+Result<VtpMarkup> parseVtpMarkup(std::string_view text);
 
 }  // namespace pcl_slim

@@ -11,9 +11,7 @@ namespace {
 
 constexpr std::size_t kMostCompression = 1100;  ///< zlib packs a byte no denser than 1032 to 1
 
-Error
-bad(const std::string& what)
-{
+Error bad(const std::string& what) {
   return {ErrorCode::kBadInput, "the VTP file " + what + "; write it again"};
 }
 
@@ -23,8 +21,7 @@ struct Tag {
   std::vector<std::pair<std::string_view, std::string_view>> attributes;
   bool closes = false, empty = false;
 
-  std::string_view operator[](std::string_view key) const
-  {
+  std::string_view operator[](std::string_view key) const {
     for (const auto& [name_of, value] : attributes) {
       if (name_of == key) return value;
     }
@@ -32,16 +29,12 @@ struct Tag {
   }
 };
 
-bool
-isSpace(char c)
-{
+bool isSpace(char c) {
   return c == ' ' || c == '\n' || c == '\r' || c == '\t';
 }
 
 /** The text between "<" and ">", taken apart. */
-Tag
-parseTag(std::string_view inside)
-{
+Tag parseTag(std::string_view inside) {
   Tag tag;
   tag.closes = inside[0] == '/';
   if (tag.closes) inside.remove_prefix(1);
@@ -65,9 +58,7 @@ parseTag(std::string_view inside)
 
 /** The next tag that is neither a comment nor a declaration. \param[in,out] at where to look, then
  * behind the tag. false: none, or none that ends. */
-bool
-nextTag(std::string_view text, std::size_t& at, Tag& tag)
-{
+bool nextTag(std::string_view text, std::size_t& at, Tag& tag) {
   for (;;) {
     at = text.find('<', at);
     if (at == std::string_view::npos) return false;
@@ -82,10 +73,9 @@ nextTag(std::string_view text, std::size_t& at, Tag& tag)
   }
 }
 
-/** A count in an attribute; absent: the value it has. false: it is no number or more than the limit. */
-bool
-readCount(const Tag& tag, std::string_view key, std::size_t most, std::size_t& value)
-{
+/** A count in an attribute; absent: the value it has. false: it is no number or more than the
+ * limit. */
+bool readCount(const Tag& tag, std::string_view key, std::size_t most, std::size_t& value) {
   const std::string_view text = tag[key];
   if (text.empty()) return true;
   std::uint64_t parsed = 0;
@@ -98,9 +88,7 @@ readCount(const Tag& tag, std::string_view key, std::size_t most, std::size_t& v
   return true;
 }
 
-std::uint8_t
-typeOf(std::string_view name)
-{
+std::uint8_t typeOf(std::string_view name) {
   constexpr std::array<std::pair<const char*, std::uint8_t>, 10> kTypes{{{"Int8", kInt8},
                                                                          {"UInt8", kUInt8},
                                                                          {"Int16", kInt16},
@@ -117,9 +105,7 @@ typeOf(std::string_view name)
   return 0;
 }
 
-Error
-readFileTag(const Tag& tag, VtpMarkup& markup)
-{
+Error readFileTag(const Tag& tag, VtpMarkup& markup) {
   if (tag["type"] != "PolyData") return bad("holds no PolyData");
   const std::string_view order = tag["byte_order"], header = tag["header_type"];
   const std::string_view compressor = tag["compressor"];
@@ -136,10 +122,8 @@ readFileTag(const Tag& tag, VtpMarkup& markup)
 }
 
 /** An array's tag, and its data where they follow it. */
-Error
-readArray(const Tag& tag, std::string_view section, std::string_view text, std::size_t at,
-          VtpMarkup& markup)
-{
+Error readArray(const Tag& tag, std::string_view section, std::string_view text, std::size_t at,
+                VtpMarkup& markup) {
   VtpArray array;
   array.section = section;
   array.name = tag["Name"];
@@ -168,9 +152,7 @@ readArray(const Tag& tag, std::string_view section, std::string_view text, std::
 }
 
 /** \param[in] at behind the tag of AppendedData. */
-Error
-readAppended(const Tag& tag, std::string_view text, std::size_t at, VtpMarkup& markup)
-{
+Error readAppended(const Tag& tag, std::string_view text, std::size_t at, VtpMarkup& markup) {
   markup.appended_base64 = tag["encoding"] == "base64";
   if (!markup.appended_base64 && tag["encoding"] != "raw")
     return bad("has appended data of no known encoding");
@@ -188,8 +170,7 @@ class MarkupReader {
   explicit MarkupReader(std::string_view text) : text_(text) {}
 
   /** \param[in] at behind the tag */
-  Error read(const Tag& tag, std::size_t at)
-  {
+  Error read(const Tag& tag, std::size_t at) {
     if (tag.closes) {
       if (tag.name == section_) section_ = {};
       return {};
@@ -213,8 +194,7 @@ class MarkupReader {
   VtpMarkup& markup() { return markup_; }
 
  private:
-  Error readArrayTag(const Tag& tag, std::size_t at)
-  {
+  Error readArrayTag(const Tag& tag, std::size_t at) {
     const std::string_view name = tag["Name"];
     if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; }))
       return bad("has an array whose name has control characters");
@@ -225,8 +205,7 @@ class MarkupReader {
     return wanted ? readArray(tag, section_, text_, at, markup_) : Error{};
   }
 
-  Error readPiece(const Tag& tag)
-  {
+  Error readPiece(const Tag& tag) {
     if (++pieces_ > 1) return bad("has several pieces: merge them first");
     std::size_t lines = 0, strips = 0;
     const std::pair<const char*, std::size_t*> counts[] = {{"NumberOfPoints", &markup_.points},
@@ -242,8 +221,7 @@ class MarkupReader {
     return {};
   }
 
-  void beginSection(const Tag& tag)
-  {
+  void beginSection(const Tag& tag) {
     for (const char* name :
          {"FieldData", "PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys"}) {
       if (tag.name == name && !tag.empty) section_ = tag.name;
@@ -259,9 +237,7 @@ class MarkupReader {
 
 }  // namespace
 
-Result<VtpMarkup>
-parseVtpMarkup(std::string_view text)
-{
+Result<VtpMarkup> parseVtpMarkup(std::string_view text) {
   MarkupReader reader(text);
   Tag tag;
   for (std::size_t at = 0; !reader.ended() && nextTag(text, at, tag);) {

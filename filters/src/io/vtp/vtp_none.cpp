@@ -4,40 +4,28 @@
 
 namespace pcl_slim {
 
-Error
-checkVtp(const std::string& path)
-{
+Error checkVtp(const std::string& path) {
   return {ErrorCode::kBadArgument,
           "cannot use '" + path + "': this build has no VTP (PCL_SLIM_WITH_VTP); name a .ply file"};
 }
 
-Error
-saveVtp(const std::string& path, const PointFile&)
-{
+Error saveVtp(const std::string& path, const PointFile&) {
   return checkVtp(path);
 }
 
-Result<std::vector<VtpColumn>>
-vtpColumns(const PointFile&)
-{
+Result<std::vector<VtpColumn>> vtpColumns(const PointFile&) {
   return checkVtp("*.vtp");
 }
 
-Result<PointFile>
-parseVtp(const std::vector<unsigned char>&)
-{
+Result<PointFile> parseVtp(const std::vector<unsigned char>&) {
   return checkVtp("*.vtp");
 }
 
-Error
-saveCrestVtp(const std::string& path, const CrestLines&)
-{
+Error saveCrestVtp(const std::string& path, const CrestLines&) {
   return checkVtp(path);
 }
 
-Error
-saveMeshVtp(const std::string& path, const TriangleMesh&, bool)
-{
+Error saveMeshVtp(const std::string& path, const TriangleMesh&, bool) {
   return checkVtp(path);
 }
 

@@ -16,16 +16,12 @@ namespace {
 
 constexpr std::size_t kMostCompression = 1100;  ///< zlib packs a byte no denser than 1032 to 1
 
-Error
-damaged(const VtpArray& array)
-{
+Error damaged(const VtpArray& array) {
   return {ErrorCode::kBadInput, "the VTP file's array '" + array.name +
                                     "' is truncated or corrupted; copy it again or write it anew"};
 }
 
-int
-base64Value(char c)
-{
+int base64Value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
   if (c >= '0' && c <= '9') return c - '0' + 52;
@@ -37,10 +33,9 @@ class ByteSource {
  public:
   ByteSource(std::string_view text, bool base64) : text_(text), base64_(base64) {}
 
-  /** \brief Appends count bytes, of whole groups: what is left of the last one is padding. false: too
-   * few, or no base64. */
-  bool read(std::size_t count, std::vector<std::uint8_t>& bytes)
-  {
+  /** \brief Appends count bytes, of whole groups: what is left of the last one is padding. false:
+   * too few, or no base64. */
+  bool read(std::size_t count, std::vector<std::uint8_t>& bytes) {
     if (!base64_) return readRaw(count, bytes);
     if (count / 3 > text_.size() / 4) return false;
     for (std::size_t left = count; left > 0;) {
@@ -60,8 +55,7 @@ class ByteSource {
   }
 
  private:
-  bool readRaw(std::size_t count, std::vector<std::uint8_t>& bytes)
-  {
+  bool readRaw(std::size_t count, std::vector<std::uint8_t>& bytes) {
     if (count > text_.size()) return false;
     bytes.insert(bytes.end(), text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(count));
     text_.remove_prefix(count);
@@ -73,10 +67,8 @@ class ByteSource {
 };
 
 /** The next count header words. */
-bool
-readHeader(ByteSource& source, const VtpMarkup& markup, std::size_t count,
-           std::vector<std::uint64_t>& words)
-{
+bool readHeader(ByteSource& source, const VtpMarkup& markup, std::size_t count,
+                std::vector<std::uint64_t>& words) {
   const std::size_t size = markup.wide_headers ? 8 : 4;
   std::vector<std::uint8_t> bytes;
   if (!source.read(count * size, bytes)) return false;
@@ -91,11 +83,10 @@ readHeader(ByteSource& source, const VtpMarkup& markup, std::size_t count,
   return true;
 }
 
-/** Blocks packed by zlib: number of blocks, bytes of a block, bytes of the last one, packed sizes. */
-bool
-readPacked(std::string_view text, const VtpMarkup& markup, bool base64, std::size_t most,
-           std::vector<std::uint8_t>& bytes)
-{
+/** Blocks packed by zlib: number of blocks, bytes of a block, bytes of the last one, packed sizes.
+ */
+bool readPacked(std::string_view text, const VtpMarkup& markup, bool base64, std::size_t most,
+                std::vector<std::uint8_t>& bytes) {
   ByteSource peek(text, base64);
   std::vector<std::uint64_t> words;
   if (!readHeader(peek, markup, 3, words)) return false;
@@ -129,17 +120,13 @@ readPacked(std::string_view text, const VtpMarkup& markup, bool base64, std::siz
   return true;
 }
 
-std::string_view
-trimmed(std::string_view text)
-{
+std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
 }
 
-Result<std::vector<std::uint8_t>>
-readAsciiValues(const VtpArray& array, std::size_t count)
-{
+Result<std::vector<std::uint8_t>> readAsciiValues(const VtpArray& array, std::size_t count) {
   TextScanner scanner(reinterpret_cast<const unsigned char*>(array.inline_data.data()),
                       array.inline_data.size());
   const std::size_t size = scalarSize(array.type);
@@ -157,9 +144,8 @@ readAsciiValues(const VtpArray& array, std::size_t count)
 
 /** The bytes of an array: of inline or appended data, base64 or raw, packed by zlib or not.
  * \param[in] expected how many; 0: as many as there are, up to a thousand times the file's. */
-Result<std::vector<std::uint8_t>>
-readVtpBytes(const VtpMarkup& markup, const VtpArray& array, std::size_t expected)
-{
+Result<std::vector<std::uint8_t>> readVtpBytes(const VtpMarkup& markup, const VtpArray& array,
+                                               std::size_t expected) {
   const bool appended = array.format == VtpArray::Format::kAppended;
   const bool base64 = !appended || markup.appended_base64;
   std::string_view text = appended ? markup.appended : trimmed(array.inline_data);
@@ -186,10 +172,10 @@ readVtpBytes(const VtpMarkup& markup, const VtpArray& array, std::size_t expecte
   return bytes;
 }
 
-/** The values of an array of numbers, count of them, each in its type and this machine's byte order. */
-Result<std::vector<std::uint8_t>>
-readVtpValues(const VtpMarkup& markup, const VtpArray& array, std::size_t count)
-{
+/** The values of an array of numbers, count of them, each in its type and this machine's byte
+ * order. */
+Result<std::vector<std::uint8_t>> readVtpValues(const VtpMarkup& markup, const VtpArray& array,
+                                                std::size_t count) {
   if (count == 0) return std::vector<std::uint8_t>();
   if (array.format == VtpArray::Format::kAscii) return readAsciiValues(array, count);
   const std::size_t size = scalarSize(array.type);
@@ -200,9 +186,7 @@ readVtpValues(const VtpMarkup& markup, const VtpArray& array, std::size_t count)
 }
 
 /** The strings of an array: VTK ends each with a zero byte. */
-Result<std::vector<std::string>>
-readVtpStrings(const VtpMarkup& markup, const VtpArray& array)
-{
+Result<std::vector<std::string>> readVtpStrings(const VtpMarkup& markup, const VtpArray& array) {
   std::vector<std::uint8_t> bytes;
   if (array.format == VtpArray::Format::kAscii) {
     TextScanner scanner(reinterpret_cast<const unsigned char*>(array.inline_data.data()),
@@ -232,9 +216,7 @@ readVtpStrings(const VtpMarkup& markup, const VtpArray& array)
 constexpr std::size_t kMost =
     4294967294u;  ///< points, or bytes of one, that PCL's clouds can count
 
-const VtpArray*
-findArray(const VtpMarkup& markup, const char* section, const std::string& name)
-{
+const VtpArray* findArray(const VtpMarkup& markup, const char* section, const std::string& name) {
   for (const VtpArray& array : markup.arrays) {
     if (array.section == section && (name.empty() || array.name == name)) return &array;
   }
@@ -242,9 +224,7 @@ findArray(const VtpMarkup& markup, const char* section, const std::string& name)
 }
 
 /** An array of three bytes a point, or of one, by name. */
-const VtpArray*
-findBytes(const VtpMarkup& markup, const char* name, std::size_t components)
-{
+const VtpArray* findBytes(const VtpMarkup& markup, const char* name, std::size_t components) {
   const VtpArray* array = findArray(markup, "PointData", name);
   const bool fits = array && array->type == kUInt8 && array->components == components;
   return fits ? array : nullptr;
@@ -253,8 +233,7 @@ findBytes(const VtpMarkup& markup, const char* name, std::size_t components)
 /** Brings the arrays of a file into the fields of a cloud. */
 class FieldReader {
  public:
-  FieldReader(const VtpMarkup& markup, PointFile& file) : markup_(markup), file_(file)
-  {
+  FieldReader(const VtpMarkup& markup, PointFile& file) : markup_(markup), file_(file) {
     const VtpArray* const normals =
         findArray(markup, "PointData", markup.normals.empty() ? kVtpNormalArray : markup.normals);
     if (normals && normals->components == 3 && normals->type != 0) normals_ = normals;
@@ -263,8 +242,7 @@ class FieldReader {
   }
 
   /** \brief Coordinates first, then the arrays of the points in their order. */
-  Error read()
-  {
+  Error read() {
     points_ = findArray(markup_, "Points", "");
     if (points_ == nullptr || points_->components != 3 || points_->type == 0)
       return badInput("the VTP file holds no points; name one that does");
@@ -282,14 +260,12 @@ class FieldReader {
     std::size_t offset;
   };
 
-  void addTriple(const char* const (&names)[3], const VtpArray& array)
-  {
+  void addTriple(const char* const (&names)[3], const VtpArray& array) {
     columns_.push_back({&array, file_.cloud.point_step});
     for (const char* name : names) addField(file_.cloud, name, array.type);
   }
 
-  void declare(const VtpArray& array)
-  {
+  void declare(const VtpArray& array) {
     if (array.type == 0 || array.name.empty()) {
       file_.left_out.push_back("array '" + array.name + "'");
     } else if (&array == normals_) {
@@ -306,8 +282,7 @@ class FieldReader {
   }
 
   /** Reads all arrays before memory is taken for the points that the file announces. */
-  Error fill()
-  {
+  Error fill() {
     const std::size_t n = markup_.points;
     std::size_t step = 0;
     std::vector<std::vector<std::uint8_t>> values;
@@ -328,8 +303,7 @@ class FieldReader {
     return {};
   }
 
-  void scatter(const Column& column, const std::vector<std::uint8_t>& values)
-  {
+  void scatter(const Column& column, const std::vector<std::uint8_t>& values) {
     pcl::PCLPointCloud2& cloud = file_.cloud;
     const std::size_t tuple = bytesOf(*column.array);
     const bool alpha = column.array == alpha_, color = column.array == colors_;
@@ -344,13 +318,11 @@ class FieldReader {
     }
   }
 
-  static std::size_t bytesOf(const VtpArray& array)
-  {
+  static std::size_t bytesOf(const VtpArray& array) {
     return array.components * scalarSize(array.type);
   }
 
-  std::size_t colorOffset() const
-  {
+  std::size_t colorOffset() const {
     const auto is_color = [this](const Column& column) { return column.array == colors_; };
     return std::find_if(columns_.begin(), columns_.end(), is_color)->offset;
   }
@@ -362,9 +334,8 @@ class FieldReader {
 };
 
 /** Whole numbers of an array. */
-Result<std::vector<std::uint64_t>>
-readCounts(const VtpMarkup& markup, const VtpArray* array, std::size_t count)
-{
+Result<std::vector<std::uint64_t>> readCounts(const VtpMarkup& markup, const VtpArray* array,
+                                              std::size_t count) {
   if (array == nullptr || (array->type != kInt64 && array->type != kInt32))
     return badInput("the VTP file has faces without whole numbers; write it again");
   const auto bytes = readVtpValues(markup, *array, count);
@@ -379,9 +350,7 @@ readCounts(const VtpMarkup& markup, const VtpArray* array, std::size_t count)
   return values;
 }
 
-Error
-readFaces(const VtpMarkup& markup, PointFile& file)
-{
+Error readFaces(const VtpMarkup& markup, PointFile& file) {
   if (markup.polygons == 0) return {};
   const auto ends = readCounts(markup, findArray(markup, "Polys", "offsets"), markup.polygons);
   if (!ends) return ends.error();
@@ -398,9 +367,7 @@ readFaces(const VtpMarkup& markup, PointFile& file)
 
 }  // namespace
 
-Result<PointFile>
-parseVtp(const std::vector<unsigned char>& bytes)
-{
+Result<PointFile> parseVtp(const std::vector<unsigned char>& bytes) {
   const auto markup = parseVtpMarkup({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!markup) return markup.error();
   PointFile file;

@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <set>
-#include <utility>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
@@ -21,6 +15,12 @@
 #include <vtkStringArray.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkXMLPolyDataWriter.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <utility>
 
 #include "io/point_formats.h"
 #include "io/vtp/vtp.h"
@@ -34,8 +34,7 @@ namespace {
 /** Keeps VTK from printing while a file is tried. */
 class SilentVtk {
  public:
-  SilentVtk() : display_(vtkObject::GetGlobalWarningDisplay())
-  {
+  SilentVtk() : display_(vtkObject::GetGlobalWarningDisplay()) {
     vtkObject::GlobalWarningDisplayOff();
   }
   ~SilentVtk() { vtkObject::SetGlobalWarningDisplay(display_); }
@@ -46,10 +45,8 @@ class SilentVtk {
 
 /** Adds an array of type Array, whose component k of tuple i is value(i, k). */
 template <typename Array, typename Value>
-void
-addArray(vtkDataSetAttributes* data, const char* name, std::size_t count, int components,
-         const Value& value)
-{
+void addArray(vtkDataSetAttributes* data, const char* name, std::size_t count, int components,
+              const Value& value) {
   vtkNew<Array> array;
   array->SetName(name);
   array->SetNumberOfComponents(components);
@@ -64,9 +61,7 @@ addArray(vtkDataSetAttributes* data, const char* name, std::size_t count, int co
 }
 
 /** Writes VTK's data as .vtp. */
-Error
-writeVtp(const std::string& path, vtkPolyData* data)
-{
+Error writeVtp(const std::string& path, vtkPolyData* data) {
   const SilentVtk silent;
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetInputData(data);
@@ -79,9 +74,7 @@ writeVtp(const std::string& path, vtkPolyData* data)
   return writeFile(path, text.data(), text.size());
 }
 
-int
-vtkTypeOf(std::uint8_t type)
-{
+int vtkTypeOf(std::uint8_t type) {
   switch (type) {
     case kInt8: return VTK_TYPE_INT8;
     case kUInt8:
@@ -104,9 +97,7 @@ struct Plan {
   std::vector<std::size_t> offsets;
 };
 
-vtkSmartPointer<vtkDataArray>
-arrayOf(const pcl::PCLPointCloud2& cloud, const Plan& plan)
-{
+vtkSmartPointer<vtkDataArray> arrayOf(const pcl::PCLPointCloud2& cloud, const Plan& plan) {
   auto array =
       vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtkTypeOf(plan.type)));
   array->SetName(plan.name.c_str());
@@ -125,9 +116,8 @@ arrayOf(const pcl::PCLPointCloud2& cloud, const Plan& plan)
 }
 
 /** Three fields of one value each; empty where one is missing or has several. */
-std::vector<const pcl::PCLPointField*>
-tripleOf(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3])
-{
+std::vector<const pcl::PCLPointField*> tripleOf(const pcl::PCLPointCloud2& cloud,
+                                                const char* const (&names)[3]) {
   std::vector<const pcl::PCLPointField*> fields;
   for (const char* name : names) {
     const int i = findField(cloud, name);
@@ -138,23 +128,17 @@ tripleOf(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3])
   return fields;
 }
 
-bool
-haveType(const std::vector<const pcl::PCLPointField*>& fields, std::uint8_t type)
-{
+bool haveType(const std::vector<const pcl::PCLPointField*>& fields, std::uint8_t type) {
   return !fields.empty() && std::all_of(fields.begin(), fields.end(),
                                         [=](const auto* f) { return f->datatype == type; });
 }
 
-Plan
-planOf(const char* name, const std::vector<const pcl::PCLPointField*>& fields)
-{
+Plan planOf(const char* name, const std::vector<const pcl::PCLPointField*>& fields) {
   return {name, fields[0]->datatype, {fields[0]->offset, fields[1]->offset, fields[2]->offset}};
 }
 
 /** Points as floats or doubles; as doubles where the fields are of another type. */
-vtkSmartPointer<vtkDataArray>
-coordinatesOf(const pcl::PCLPointCloud2& cloud)
-{
+vtkSmartPointer<vtkDataArray> coordinatesOf(const pcl::PCLPointCloud2& cloud) {
   const auto fields = tripleOf(cloud, kVtpCoordinates);
   for (const std::uint8_t type : {kFloat32, kFloat64}) {
     if (haveType(fields, type)) return arrayOf(cloud, planOf("Points", fields));
@@ -172,13 +156,11 @@ coordinatesOf(const pcl::PCLPointCloud2& cloud)
 class Planner {
  public:
   explicit Planner(const pcl::PCLPointCloud2& cloud)
-      : cloud_(cloud), normals_(tripleOf(cloud, kVtpNormals))
-  {
+      : cloud_(cloud), normals_(tripleOf(cloud, kVtpNormals)) {
     if (!haveType(normals_, kFloat32) && !haveType(normals_, kFloat64)) normals_.clear();
   }
 
-  Result<std::vector<Plan>> plan()
-  {
+  Result<std::vector<Plan>> plan() {
     for (const pcl::PCLPointField& field : cloud_.fields) {
       if (isNameOf(kVtpCoordinates, field.name)) continue;
       if (scalarSize(field.datatype) == 0) {
@@ -191,8 +173,7 @@ class Planner {
   }
 
  private:
-  void addField(const pcl::PCLPointField& field)
-  {
+  void addField(const pcl::PCLPointField& field) {
     if (!normals_.empty() && isNameOf(kVtpNormals, field.name)) {
       if (&field == normals_[0]) add(planOf(kVtpNormalArray, normals_));
       return;
@@ -206,8 +187,7 @@ class Planner {
   }
 
   /** In memory PCL's colour is blue, green, red, alpha. */
-  void addColor(const pcl::PCLPointField& field)
-  {
+  void addColor(const pcl::PCLPointField& field) {
     const std::size_t at = field.offset;
     add({kVtpColorArray, kUInt8, {at + 2, at + 1, at}});
     bool alpha = field.name == "rgba";
@@ -217,8 +197,7 @@ class Planner {
   }
 
   /** VTK keeps one array of a name: another one gets a longer name. */
-  void add(Plan plan)
-  {
+  void add(Plan plan) {
     while (!names_.insert(plan.name).second) plan.name += '_';
     plans_.push_back(std::move(plan));
   }
@@ -230,9 +209,7 @@ class Planner {
 };
 
 /** The file's faces or, without any, a vertex for each point that has coordinates. */
-void
-addCells(const PointFile& file, vtkPolyData* data)
-{
+void addCells(const PointFile& file, vtkPolyData* data) {
   vtkNew<vtkCellArray> cells;
   std::vector<vtkIdType> corners;
   for (std::size_t f = 0; f < file.numFaces(); ++f) {
@@ -251,9 +228,8 @@ addCells(const PointFile& file, vtkPolyData* data)
   data->SetVerts(cells);
 }
 
-void
-addArrays(const pcl::PCLPointCloud2& cloud, const std::vector<Plan>& plans, vtkPointData* data)
-{
+void addArrays(const pcl::PCLPointCloud2& cloud, const std::vector<Plan>& plans,
+               vtkPointData* data) {
   for (const Plan& plan : plans) {
     data->AddArray(arrayOf(cloud, plan));
     const bool triple = plan.offsets.size() == 3;
@@ -264,15 +240,11 @@ addArrays(const pcl::PCLPointCloud2& cloud, const std::vector<Plan>& plans, vtkP
 
 }  // namespace
 
-Error
-checkVtp(const std::string&)
-{
+Error checkVtp(const std::string&) {
   return {};
 }
 
-Result<std::vector<VtpColumn>>
-vtpColumns(const PointFile& file)
-{
+Result<std::vector<VtpColumn>> vtpColumns(const PointFile& file) {
   const auto plans = Planner(file.cloud).plan();
   if (!plans) return plans.error();
   std::vector<VtpColumn> columns;
@@ -280,9 +252,7 @@ vtpColumns(const PointFile& file)
   return columns;
 }
 
-Error
-saveVtp(const std::string& path, const PointFile& file)
-{
+Error saveVtp(const std::string& path, const PointFile& file) {
   if (tripleOf(file.cloud, kVtpCoordinates).empty())
     return {ErrorCode::kBadArgument, "points without x y z are no VTP; write a PCD file instead"};
   const auto plans = Planner(file.cloud).plan();
@@ -302,9 +272,7 @@ saveVtp(const std::string& path, const PointFile& file)
 
 namespace {
 
-void
-addVertexData(const TriangleMesh& mesh, vtkPointData* data)
-{
+void addVertexData(const TriangleMesh& mesh, vtkPointData* data) {
   addArray<vtkFloatArray>(data, "Normals", mesh.normals.size(), 3,
                           [&](std::size_t i, std::size_t k) { return mesh.normals[i][k]; });
   data->SetActiveNormals("Normals");
@@ -320,9 +288,7 @@ addVertexData(const TriangleMesh& mesh, vtkPointData* data)
 
 }  // namespace
 
-Error
-saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow)
-{
+Error saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow) {
   vtkNew<vtkPolyData> data;
   vtkNew<vtkPoints> points;
   if (!narrow) points->SetDataTypeToDouble();
@@ -341,9 +307,7 @@ saveMeshVtp(const std::string& path, const TriangleMesh& mesh, bool narrow)
 
 namespace {
 
-void
-addPointData(const CrestLines& lines, vtkDataSetAttributes* data)
-{
+void addPointData(const CrestLines& lines, vtkDataSetAttributes* data) {
   const auto vectors = [&](const char* name, const std::vector<std::array<float, 3>>& values) {
     addArray<vtkFloatArray>(data, name, values.size(), 3,
                             [&](std::size_t i, std::size_t k) { return values[i][k]; });
@@ -361,9 +325,7 @@ addPointData(const CrestLines& lines, vtkDataSetAttributes* data)
   scalars("radius", lines.radius);
 }
 
-void
-addCellData(const CrestLines& lines, vtkDataSetAttributes* data)
-{
+void addCellData(const CrestLines& lines, vtkDataSetAttributes* data) {
   const auto scalars = [&](const char* name, const auto& values) {
     addArray<vtkDoubleArray>(data, name, values.size(), 1, [&](std::size_t i, std::size_t) {
       return static_cast<double>(values[i]);
@@ -378,9 +340,7 @@ addCellData(const CrestLines& lines, vtkDataSetAttributes* data)
 
 }  // namespace
 
-Error
-saveCrestVtp(const std::string& path, const CrestLines& lines)
-{
+Error saveCrestVtp(const std::string& path, const CrestLines& lines) {
   vtkNew<vtkPolyData> data;
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();

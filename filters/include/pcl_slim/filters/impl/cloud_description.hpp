@@ -19,8 +19,7 @@ class CloudDescription : public SLIMFit<PointT> {
  public:
   CloudDescription(const typename pcl::PointCloud<PointT>::ConstPtr& cloud,
                    const pcl::IndicesConstPtr& indices, const FitParams& params,
-                   const SensorPositions& sensors = nullptr, const FrameNumbers& frames = nullptr)
-  {
+                   const SensorPositions& sensors = nullptr, const FrameNumbers& frames = nullptr) {
     this->sensors_ = sensors;
     this->frames_ = frames;
     this->setInputCloud(cloud);

@@ -20,8 +20,7 @@ namespace pcl_slim {
 
 template <typename PointT>
 ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(bool extract_removed_indices)
-    : pcl::FilterIndices<PointT>(extract_removed_indices)
-{
+    : pcl::FilterIndices<PointT>(extract_removed_indices) {
   this->filter_name_ = "ColorOctreeSplatSampler";
 }
 
@@ -31,15 +30,13 @@ ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(const ColorOctreeSplatS
     : pcl::FilterIndices<PointT>(other),
       ColorOctreeSplatSamplerBase(other),
       normals_(other.normals_),
-      search_(other.search_)
-{
+      search_(other.search_) {
   removed_indices_.reset(new pcl::Indices(*other.removed_indices_));
 }
 
 template <typename PointT>
-ColorOctreeSplatSampler<PointT>&
-ColorOctreeSplatSampler<PointT>::operator=(const ColorOctreeSplatSampler& other)
-{
+ColorOctreeSplatSampler<PointT>& ColorOctreeSplatSampler<PointT>::operator=(
+    const ColorOctreeSplatSampler& other) {
   if (this == &other) return *this;
   pcl::FilterIndices<PointT>::operator=(other);
   ColorOctreeSplatSamplerBase::operator=(other);
@@ -50,9 +47,7 @@ ColorOctreeSplatSampler<PointT>::operator=(const ColorOctreeSplatSampler& other)
 }
 
 template <typename PointT>
-bool
-ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
-{
+bool ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats) {
   splats = SplatSet();
   clearResults();
   CloudDescription<PointT> cloud(input_, use_indices_ ? pcl::IndicesConstPtr(indices_) : nullptr,
@@ -70,9 +65,7 @@ ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
 }
 
 template <typename PointT>
-bool
-ColorOctreeSplatSampler<PointT>::sample(pcl::PointCloud<pcl::PointSurfel>& splats)
-{
+bool ColorOctreeSplatSampler<PointT>::sample(pcl::PointCloud<pcl::PointSurfel>& splats) {
   splats = pcl::PointCloud<pcl::PointSurfel>();
   SplatSet set;
   if (!sample(set)) return false;
@@ -84,18 +77,14 @@ ColorOctreeSplatSampler<PointT>::sample(pcl::PointCloud<pcl::PointSurfel>& splat
 }
 
 template <typename PointT>
-bool
-ColorOctreeSplatSampler<PointT>::filter(pcl::Indices& indices)
-{
+bool ColorOctreeSplatSampler<PointT>::filter(pcl::Indices& indices) {
   indices.clear();
   applyFilter(indices);
   return !error_;
 }
 
 template <typename PointT>
-bool
-ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
-{
+bool ColorOctreeSplatSampler<PointT>::filter(PointCloud& output) {
   clearResults();
   removed_indices_->clear();
   if (!input_ || input_->empty()) {
@@ -117,17 +106,13 @@ ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
 }
 
 template <typename PointT>
-void
-ColorOctreeSplatSampler<PointT>::complain() const
-{
+void ColorOctreeSplatSampler<PointT>::complain() const {
   if (error_.code == ErrorCode::kCancelled) return;
   PCL_ERROR("[pcl_slim::%s::filter] %s\n", this->getClassName().c_str(), error_.message.c_str());
 }
 
 template <typename PointT>
-void
-ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices)
-{
+void ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices) {
   indices.clear();
   removed_indices_->clear();
   SplatSet splats;

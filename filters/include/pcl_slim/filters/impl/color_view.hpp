@@ -11,9 +11,7 @@ namespace pcl_slim {
 
 /** The colours of a cloud's points; none for a point type without a field rgb or rgba. */
 template <typename PointT>
-ColorView
-colorsOfPoints(const pcl::PointCloud<PointT>& cloud)
-{
+ColorView colorsOfPoints(const pcl::PointCloud<PointT>& cloud) {
   [[maybe_unused]] const auto* first = reinterpret_cast<const unsigned char*>(cloud.points.data());
   if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgba>::value) {
     return {first + pcl::traits::offset<PointT, pcl::fields::rgba>::value, sizeof(PointT)};

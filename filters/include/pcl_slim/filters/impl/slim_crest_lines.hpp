@@ -11,9 +11,7 @@
 namespace pcl_slim {
 
 template <typename PointT>
-bool
-SLIMCrestLines<PointT>::compute(CrestLines& lines)
-{
+bool SLIMCrestLines<PointT>::compute(CrestLines& lines) {
   const CancellableRun cancellable(this->control_.progress);
   lines = CrestLines();
   this->clearResults();
@@ -45,9 +43,7 @@ SLIMCrestLines<PointT>::compute(CrestLines& lines)
 }
 
 template <typename PointT>
-bool
-SLIMCrestLines<PointT>::compute(pcl::PointCloud<PointCrest>& vertices)
-{
+bool SLIMCrestLines<PointT>::compute(pcl::PointCloud<PointCrest>& vertices) {
   vertices = pcl::PointCloud<PointCrest>();
   CrestLines lines;
   if (!compute(lines)) return false;

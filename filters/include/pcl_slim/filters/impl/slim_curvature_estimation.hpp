@@ -17,9 +17,7 @@ namespace pcl_slim {
 
 /** Writes a field where a point type has it. */
 template <typename Field, typename PointT>
-void
-setField(PointT& point, float value)
-{
+void setField(PointT& point, float value) {
   if constexpr (pcl::traits::has_field<PointT, Field>::value) {
     static_assert(std::is_same<typename pcl::traits::datatype<PointT, Field>::type, float>::value,
                   "curvatures are written as float");
@@ -31,9 +29,7 @@ setField(PointT& point, float value)
 
 /** Writes the fields of a curvature that a point type has. */
 template <typename PointT>
-void
-setCurvature(const ProjectedPoint& from, PointT& to)
-{
+void setCurvature(const ProjectedPoint& from, PointT& to) {
   namespace fields = pcl::fields;
   const PrincipalFrame& principal = from.principal;
   setField<fields::x>(to, static_cast<float>(from.position[0]));
@@ -61,9 +57,7 @@ setCurvature(const ProjectedPoint& from, PointT& to)
 }
 
 /** A point of which nothing but the place is known. */
-inline ProjectedPoint
-unknownPoint(float x, float y, float z)
-{
+inline ProjectedPoint unknownPoint(float x, float y, float z) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   ProjectedPoint point;
   point.position = {x, y, z};
@@ -74,34 +68,27 @@ unknownPoint(float x, float y, float z)
 }
 
 template <typename PointInT, typename PointOutT>
-bool
-SLIMCurvatureEstimation<PointInT, PointOutT>::compute(PointCloudOut& output)
-{
+bool SLIMCurvatureEstimation<PointInT, PointOutT>::compute(PointCloudOut& output) {
   Base::compute(output);
   return !error_;
 }
 
 template <typename PointInT, typename PointOutT>
-bool
-SLIMCurvatureEstimation<PointInT, PointOutT>::refuse(ErrorCode code, const std::string& message)
-{
+bool SLIMCurvatureEstimation<PointInT, PointOutT>::refuse(ErrorCode code,
+                                                          const std::string& message) {
   fail(code, message);
   complain();
   return false;
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMCurvatureEstimation<PointInT, PointOutT>::complain() const
-{
+void SLIMCurvatureEstimation<PointInT, PointOutT>::complain() const {
   if (error_.code == ErrorCode::kCancelled) return;
   PCL_ERROR("[pcl_slim::%s::compute] %s\n", this->getClassName().c_str(), error_.message.c_str());
 }
 
 template <typename PointInT, typename PointOutT>
-bool
-SLIMCurvatureEstimation<PointInT, PointOutT>::initCompute()
-{
+bool SLIMCurvatureEstimation<PointInT, PointOutT>::initCompute() {
   clearResults();
   if (!input_) return refuse(ErrorCode::kBadInput, "no input cloud is set; call setInputCloud()");
   if (input_->empty())
@@ -110,9 +97,7 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::initCompute()
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut& output)
-{
+void SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut& output) {
   CloudProjection projection;
   try {
     run(projection, output);
@@ -125,10 +110,8 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut& outp
 }
 
 template <typename PointInT, typename PointOutT>
-bool
-SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
-                                                  PointCloudOut& output)
-{
+bool SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
+                                                       PointCloudOut& output) {
   const bool apart = surface_ && surface_ != input_;
   const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
   CloudDescription<PointInT> points(input_, indices, params_);
@@ -150,10 +133,8 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& projection,
-                                                    PointCloudOut& output) const
-{
+void SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& projection,
+                                                         PointCloudOut& output) const {
   output.sensor_origin_ = input_->sensor_origin_;
   output.sensor_orientation_ = input_->sensor_orientation_;
   output.is_dense = projection.statistics().moved == projection.size();

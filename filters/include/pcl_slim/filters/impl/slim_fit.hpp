@@ -32,28 +32,23 @@ template <typename PointT>
 class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
  public:
   explicit PlainPointSearch(const typename pcl::search::Search<PointT>::Ptr& search)
-      : Search("PlainPointSearch"), search_(search)
-  {
-  }
+      : Search("PlainPointSearch"), search_(search) {}
 
   using Search::nearestKSearch;
   using Search::radiusSearch;
 
   int nearestKSearch(const pcl::PointXYZ& point, int k, pcl::Indices& indices,
-                     std::vector<float>& distances_sq) const override
-  {
+                     std::vector<float>& distances_sq) const override {
     return search_->nearestKSearch(toPoint(point), k, indices, distances_sq);
   }
 
   int radiusSearch(const pcl::PointXYZ& point, double radius, pcl::Indices& indices,
-                   std::vector<float>& distances_sq, unsigned int most = 0) const override
-  {
+                   std::vector<float>& distances_sq, unsigned int most = 0) const override {
     return search_->radiusSearch(toPoint(point), radius, indices, distances_sq, most);
   }
 
  private:
-  static PointT toPoint(const pcl::PointXYZ& plain)
-  {
+  static PointT toPoint(const pcl::PointXYZ& plain) {
     PointT point;
     point.x = plain.x;
     point.y = plain.y;
@@ -64,20 +59,17 @@ class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
   typename pcl::search::Search<PointT>::Ptr search_;
 };
 
-/** Where a cloud was seen from: the origin of its sensor, which an organized cloud has even at 0. */
+/** Where a cloud was seen from: the origin of its sensor, which an organized cloud has even at 0.
+ */
 template <typename PointT>
-std::optional<std::array<double, 3>>
-sensorOf(const pcl::PointCloud<PointT>& cloud)
-{
+std::optional<std::array<double, 3>> sensorOf(const pcl::PointCloud<PointT>& cloud) {
   const Eigen::Vector4f& at = cloud.sensor_origin_;
   if (!at.head<3>().allFinite() || (!cloud.isOrganized() && at.head<3>().isZero())) return {};
   return std::array<double, 3>{at[0], at[1], at[2]};
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::fit(SLIMSurface& surface)
-{
+bool SLIMFit<PointT>::fit(SLIMSurface& surface) {
   surface = SLIMSurface();
   clearResults();
   CloudView view;
@@ -87,9 +79,7 @@ SLIMFit<PointT>::fit(SLIMSurface& surface)
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* metadata)
-{
+bool SLIMFit<PointT>::fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* metadata) {
   surfels = pcl::PointCloud<PointSLIM>();
   if (metadata) *metadata = SurfaceMetadata();
   SLIMSurface surface;
@@ -101,9 +91,7 @@ SLIMFit<PointT>::fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* metad
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::describeInput(CloudView& view)
-{
+bool SLIMFit<PointT>::describeInput(CloudView& view) {
   namespace traits = pcl::traits;
   namespace fields = pcl::fields;
   static_assert(std::is_same<typename traits::datatype<PointT, fields::x>::type, float>::value,
@@ -134,9 +122,7 @@ SLIMFit<PointT>::describeInput(CloudView& view)
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::describeSensors(CloudView& view)
-{
+bool SLIMFit<PointT>::describeSensors(CloudView& view) {
   if (sensors_ && !sensors_->empty()) {
     if (sensors_->size() != input_->size()) {
       return fail(ErrorCode::kBadInput,
@@ -163,9 +149,7 @@ SLIMFit<PointT>::describeSensors(CloudView& view)
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::describeFrames(CloudView& view)
-{
+bool SLIMFit<PointT>::describeFrames(CloudView& view) {
   if (!frames_ || frames_->empty()) return true;
   if (frames_->size() != input_->size()) {
     return fail(ErrorCode::kBadInput, "there are " + std::to_string(frames_->size()) +
@@ -177,9 +161,7 @@ SLIMFit<PointT>::describeFrames(CloudView& view)
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
-{
+bool SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated) {
   if (normals_) {
     if (normals_->size() != input_->size()) {
       return fail(ErrorCode::kBadInput, "there are " + std::to_string(normals_->size()) +
@@ -202,9 +184,7 @@ SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud)
-{
+bool SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud) {
   using Organized = pcl::search::OrganizedNeighbor<PointT>;
   const auto organized = std::dynamic_pointer_cast<Organized>(search_);
   const bool unsuitable = organized && !cloud->isOrganized();
@@ -215,9 +195,7 @@ SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud)
 }
 
 template <typename PointT>
-pcl::IndicesPtr
-SLIMFit<PointT>::finiteSelection() const
-{
+pcl::IndicesPtr SLIMFit<PointT>::finiteSelection() const {
   auto selected = std::make_shared<pcl::Indices>();
   const std::size_t count = use_indices_ && indices_ ? indices_->size() : input_->size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -228,9 +206,7 @@ SLIMFit<PointT>::finiteSelection() const
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals)
-{
+bool SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals) {
   bool all_finite = true;
   for (std::size_t i = 0; i < input_->size(); ++i) all_finite &= pcl::isFinite((*input_)[i]);
   auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
@@ -254,9 +230,7 @@ SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& norma
 }
 
 template <typename PointT>
-bool
-SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
-{
+bool SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated) {
   if (normal_neighbours_ < 3) {
     return fail(ErrorCode::kBadArgument, "a normal needs at least 3 neighbours; raise k");
   }

@@ -22,9 +22,7 @@ struct SLIMSmootherBase::Input {
 };
 
 template <typename PointT>
-SLIMSmootherBase::Target
-SLIMSmootherBase::targetOf(void* cloud)
-{
+SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
   auto& output = *static_cast<pcl::PointCloud<PointT>*>(cloud);
   namespace fields = pcl::fields;
   using pcl::traits::offset;
@@ -57,10 +55,8 @@ SLIMSmootherBase::targetOf(void* cloud)
 }
 
 template <typename PointT>
-void
-SLIMSmootherBase::smoothInput(const Input<PointT>& input, void* output, Target (*target_of)(void*),
-                              bool same)
-{
+void SLIMSmootherBase::smoothInput(const Input<PointT>& input, void* output,
+                                   Target (*target_of)(void*), bool same) {
   Target target = target_of(output);
   target.copies = same ? std::vector<CommonBytes>{{0, 0, sizeof(PointT)}}
                        : commonFields(pcl::getFields<PointT>(), target.fields);
@@ -101,10 +97,8 @@ SLIMSmootherBase::smoothInput(const Input<PointT>& input, void* output, Target (
 }
 
 template <typename PointT>
-void
-SLIMSmootherBase::processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
-                               pcl::PointCloud<PointT>& output)
-{
+void SLIMSmootherBase::processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
+                                    pcl::PointCloud<PointT>& output) {
   clearResults();
   pcl::PointCloud<PointT> made;
   perform(*this, made);
@@ -114,9 +108,7 @@ SLIMSmootherBase::processApart(void (*perform)(SLIMSmootherBase&, pcl::PointClou
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
-{
+void SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output) {
   processApart<PointOutT>(
       [](SLIMSmootherBase& smoother, PointCloudOut& made) {
         static_cast<SLIMProjectionSmoother&>(smoother).performProcessing(made);
@@ -125,9 +117,7 @@ SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
-{
+void SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output) {
   smoothInput<PointInT>({input_, distinct_cloud_, use_indices_ ? &indices_ : nullptr, normals_,
                          search_, normal_neighbours_},
                         &output, &targetOf<PointOutT>, std::is_same<PointInT, PointOutT>::value);

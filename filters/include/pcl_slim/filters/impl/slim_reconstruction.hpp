@@ -13,9 +13,7 @@
 namespace pcl_slim {
 
 template <typename PointT>
-bool
-SLIMReconstruction<PointT>::run()
-{
+bool SLIMReconstruction<PointT>::run() {
   clearMesh();
   CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(), params_,
                                        sensors_, frames_);
@@ -33,18 +31,15 @@ SLIMReconstruction<PointT>::run()
 }
 
 template <typename PointT>
-void
-SLIMReconstruction<PointT>::reconstruct(pcl::PolygonMesh& output)
-{
+void SLIMReconstruction<PointT>::reconstruct(pcl::PolygonMesh& output) {
   output = pcl::PolygonMesh();
   if (input_) output.header = input_->header;
   performReconstruction(output);
 }
 
 template <typename PointT>
-void
-SLIMReconstruction<PointT>::reconstruct(PointCloud& points, std::vector<pcl::Vertices>& polygons)
-{
+void SLIMReconstruction<PointT>::reconstruct(PointCloud& points,
+                                             std::vector<pcl::Vertices>& polygons) {
   points = PointCloud();
   polygons.clear();
   if (input_) points.header = input_->header;
@@ -52,9 +47,7 @@ SLIMReconstruction<PointT>::reconstruct(PointCloud& points, std::vector<pcl::Ver
 }
 
 template <typename PointT>
-void
-SLIMReconstruction<PointT>::performReconstruction(pcl::PolygonMesh& output)
-{
+void SLIMReconstruction<PointT>::performReconstruction(pcl::PolygonMesh& output) {
   const pcl::PCLHeader header = output.header;
   output = pcl::PolygonMesh();
   output.header = header;
@@ -64,10 +57,8 @@ SLIMReconstruction<PointT>::performReconstruction(pcl::PolygonMesh& output)
 }
 
 template <typename PointT>
-void
-SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
-                                                  std::vector<pcl::Vertices>& polygons)
-{
+void SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
+                                                       std::vector<pcl::Vertices>& polygons) {
   points.clear();
   polygons.clear();
   if (!run()) return;

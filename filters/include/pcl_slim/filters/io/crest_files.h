@@ -18,8 +18,8 @@ struct CrestView {
   Vector3 up = {0, 1, 0};             ///< points up in the picture
   double width = 1000;                ///< of the longer side, pixels
   double line_width = 1.2;            ///< pixels
-  /** Hides lines behind it: leaves are drawn as flat patches of two thirds of their radius, so that lines
-   * within half a radius of what hides them may show. Null: every line shows. */
+  /** Hides lines behind it: leaves are drawn as flat patches of two thirds of their radius, so that
+   * lines within half a radius of what hides them may show. Null: every line shows. */
   const SLIMSurface* surface = nullptr;
 };
 
@@ -31,21 +31,20 @@ struct CrestView {
  * .svg  ridges blue and ravines red, as seen from that side (a ridge seen from behind is
  *       a ravine)
  *
- * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the next.
+ * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the
+ * next.
  */
-PCL_SLIM_EXPORT Error
-saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view = {});
+PCL_SLIM_EXPORT Error saveCrestLines(const std::string& path, const CrestLines& lines,
+                                     const CrestView& view = {});
 
-/** \brief Whether saveCrestLines supports the extension; otherwise an error that names those it supports. */
-PCL_SLIM_EXPORT Error
-checkCrestExtension(const std::string& path);
+/** \brief Whether saveCrestLines supports the extension; otherwise an error that names those it
+ * supports. */
+PCL_SLIM_EXPORT Error checkCrestExtension(const std::string& path);
 
 /** \brief Lines as points with the fields of PointCrest; x y z of either precision. O(vertices). */
-PCL_SLIM_EXPORT PointFile
-toPointFile(const CrestLines& lines);
+PCL_SLIM_EXPORT PointFile toPointFile(const CrestLines& lines);
 
 /** \brief The text of an SVG of the lines. */
-PCL_SLIM_EXPORT std::string
-crestSvg(const CrestLines& lines, const CrestView& view);
+PCL_SLIM_EXPORT std::string crestSvg(const CrestLines& lines, const CrestView& view);
 
 }  // namespace pcl_slim

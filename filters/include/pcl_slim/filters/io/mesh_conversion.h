@@ -11,13 +11,11 @@
 
 namespace pcl_slim {
 
-/** \brief A mesh as PCL has it: fields x y z and normal_x normal_y normal_z of type float, k1 and k2 if requested,
- * rgb if the mesh has colours. Coordinates are rounded to float. O(triangles). */
-PCL_SLIM_EXPORT pcl::PolygonMesh
-toPolygonMesh(const TriangleMesh& mesh, bool curvature = true);
+/** \brief A mesh as PCL has it: fields x y z and normal_x normal_y normal_z of type float, k1 and
+ * k2 if requested, rgb if the mesh has colours. Coordinates are rounded to float. O(triangles). */
+PCL_SLIM_EXPORT pcl::PolygonMesh toPolygonMesh(const TriangleMesh& mesh, bool curvature = true);
 
 /** \brief Its triangles alone. */
-PCL_SLIM_EXPORT std::vector<pcl::Vertices>
-polygonsOf(const TriangleMesh& mesh);
+PCL_SLIM_EXPORT std::vector<pcl::Vertices> polygonsOf(const TriangleMesh& mesh);
 
 }  // namespace pcl_slim

@@ -47,43 +47,39 @@ struct PCL_SLIM_EXPORT PointFile {
  * .xyz .txt .asc .csv  text, a point a line; columns by their names, or guessed (columns)
  * .pts                 the same, with the number of points first and intensity before colours
  * .obj .off .stl       vertices, with normals and colours where there are any, and faces
- * .vtp                 VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays
+ * .vtp VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays
  *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
- * A missing, foreign, truncated or self-contradicting file gives an error; one without points
- * is read and has none. Ignored parts of a file (elements of a PLY file other than vertices and
- * faces, texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
+ * A missing, foreign, truncated or self-contradicting file gives an error; one without points is
+ * read and has none. Ignored parts of a file (elements of a PLY file other than vertices and faces,
+ * texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
  * the error names the command that converts them.
  */
-PCL_SLIM_EXPORT Result<PointFile>
-loadPointFile(const std::string& path);
+PCL_SLIM_EXPORT Result<PointFile> loadPointFile(const std::string& path);
 
 /** \brief No error for an extension that loadPointFile() knows. */
-PCL_SLIM_EXPORT Error
-checkPointFileExtension(const std::string& path);
+PCL_SLIM_EXPORT Error checkPointFileExtension(const std::string& path);
 
 /** \brief Writes .pcd (binary), .ply (binary_little_endian), .las or .vtp by extension.
  *
- * Fields go out in their order and type, so that loading and saving gives the same bytes again. PCD and
- * LAS keep no faces, LAS no comments; only PCD keeps the rows of an organised cloud and the sensor. Points
- * of a .vtp are vertex cells or corners of polygons; those without coordinates (NaN) are in no cell. A .las of points read from one keeps its version, point format,
- * records and extra bytes; new fields become extra bytes. Coordinates that its scale cannot represent get a
- * finer one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to
- * a billionth of the extent. \return an error for another extension or when the file cannot be
+ * Fields go out in their order and type, so that loading and saving gives the same bytes again. PCD
+ * and LAS keep no faces, LAS no comments; only PCD keeps the rows of an organised cloud and the
+ * sensor. Points of a .vtp are vertex cells or corners of polygons; those without coordinates (NaN)
+ * are in no cell. A .las of points read from one keeps its version, point format, records and extra
+ * bytes; new fields become extra bytes. Coordinates that its scale cannot represent get a finer
+ * one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to a
+ * billionth of the extent. \return an error for another extension or when the file cannot be
  * written. */
-PCL_SLIM_EXPORT Error
-savePointFile(const std::string& path, const PointFile& file);
+PCL_SLIM_EXPORT Error savePointFile(const std::string& path, const PointFile& file);
 
 /** \brief Index of a field by name in cloud.fields, or -1. */
-PCL_SLIM_EXPORT int
-findField(const pcl::PCLPointCloud2& cloud, const std::string& name);
+PCL_SLIM_EXPORT int findField(const pcl::PCLPointCloud2& cloud, const std::string& name);
 
 /** \brief Value of the first element of a field of one point, whatever its type, as double. */
-PCL_SLIM_EXPORT double
-fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point, const pcl::PCLPointField& field);
+PCL_SLIM_EXPORT double fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point,
+                                  const pcl::PCLPointField& field);
 
 /** \brief Number of points: width times height. */
-PCL_SLIM_EXPORT std::size_t
-numPoints(const pcl::PCLPointCloud2& cloud);
+PCL_SLIM_EXPORT std::size_t numPoints(const pcl::PCLPointCloud2& cloud);
 
 }  // namespace pcl_slim

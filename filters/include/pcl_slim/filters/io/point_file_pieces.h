@@ -40,7 +40,8 @@ class PCL_SLIM_EXPORT PointFileReader {
   std::uint64_t width_ = 0, height_ = 1, done_ = 0;
 };
 
-/** \brief Writes a point file some rows at a time, as savePointFile() writes all of them: .pcd or .ply. */
+/** \brief Writes a point file some rows at a time, as savePointFile() writes all of them: .pcd or
+ * .ply. */
 class PCL_SLIM_EXPORT PointFileWriter {
  public:
   /** \param[in] width,height of the whole file */

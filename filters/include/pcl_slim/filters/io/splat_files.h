@@ -10,10 +10,9 @@
 
 namespace pcl_slim {
 
-/** \brief Whether a file's fields are those of discs: a radius, and no polynomials (those of a surface
- * have c0). */
-PCL_SLIM_EXPORT bool
-holdsSplats(const PointFile& file);
+/** \brief Whether a file's fields are those of discs: a radius, and no polynomials (those of a
+ * surface have c0). */
+PCL_SLIM_EXPORT bool holdsSplats(const PointFile& file);
 
 /** \brief Discs from a file: what toPointFile() wrote, or another program has rewritten.
  *
@@ -23,7 +22,7 @@ holdsSplats(const PointFile& file);
  * index in the file. \param[out] skipped discs left out (may be null): a value is not finite, the
  * radius below 0 or the normal 0. \return an error that names the missing field. O(points).
  */
-PCL_SLIM_EXPORT Result<SplatSet>
-splatsFrom(const PointFile& file, std::uint64_t* skipped = nullptr);
+PCL_SLIM_EXPORT Result<SplatSet> splatsFrom(const PointFile& file,
+                                            std::uint64_t* skipped = nullptr);
 
 }  // namespace pcl_slim
