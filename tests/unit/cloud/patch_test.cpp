@@ -104,7 +104,7 @@ TEST(Patch, WhatABallCutsOffIsPutBack)
   }
   // Of many places alike each gets the same.
   std::vector<double> variances(40, varianceInBall(3));
-  putBackCutOff(std::vector<double>(40, 3.0), {}, 1, variances);
+  restoreCutVariances(std::vector<double>(40, 3.0), {}, 1, variances);
   for (const double variance : variances) EXPECT_NEAR(std::sqrt(variance), 1, 0.01);
 }
 

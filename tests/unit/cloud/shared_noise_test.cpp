@@ -214,7 +214,7 @@ TEST(SharedNoise, TwoMergedFramesHaveThatOfOne)
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = 5;
   detail::NoiseConstants strict;
-  strict.shared.slowing = strict.shared.sided_slowing;
+  strict.shared.constant_power_ratio = strict.shared.sided_constant_power_ratio;
   for (const char* name : {"room", "hall", "balls"}) {
     const auto solids = measure::namedSolids(name);
     const Cloud one = cloudOf(scanByCamera(solids, camera, 3));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Noise that neighbours share": the curve of the residuals of cubics over the size
-// of the patch, and what the noise is that it shows.
+// Noise that neighbours share (docs/theory.md, section of this name). The curve of the residual
+// variance of cubics over the size of the patch separates it from detail.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,24 +17,23 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** The noise of a cloud as its scales show it. */
+/** Noise as estimated from a curve. */
 struct CurveNoise {
   double variance = 0, correlation = 1;
-  std::size_t scale = 0;  ///< that shows most of it
+  std::size_t scale = 0;  ///< index of the first scale that shows most of it
 };
 
-/** The scales of a cloud, and the noise that they show. */
+/** The scales of a cloud, and the noise estimated from them. */
 struct NoiseCurve {
   std::vector<PatchScale> scales;  ///< two at least
   CurveNoise noise;
-  std::vector<CurveNoise> halves;  ///< by random halves of the places: their scatter is its error
+  std::vector<CurveNoise> halves;  ///< estimates from random halves of the places
 };
 
-/** What counts of the noise that a curve shows: none where chance explains what wider patches show.
- */
+/** The part of a curve's noise that counts. Chance explains the rest. */
 struct CurveShare {
-  double part = 0;  ///< of the logarithm of its variance over white noise's ...
-  double variance = 0, correlation = 1;  ///< ... and the figures with that part
+  double part = 0;                       ///< part of log(variance / white variance) that counts
+  double variance = 0, correlation = 1;  ///< figures of the noise that counts
 };
 
 /** Squared errors of the logarithms of the figures that count. */
@@ -42,19 +41,22 @@ struct LogErrors {
   double variance = 0, correlation = 0;
 };
 
-/** From 1 at 0 to 0 beyond a width, and flat at both ends. */
+/** The kernel q of (N1): falls smoothly from 1 at 0 to 0 beyond a width. */
 double fallOff(double x, double width) {
   const double ratio = std::max(0.0, x) / width;
   return std::exp(-ratio * ratio * ratio * ratio);
 }
 
-constexpr double kPlainest =
-    0.35;  ///< share of the places, those of least variance, whose growth counts ...
-constexpr std::size_t kAhead = 3;  ///< ... on patches this many doublings wider
+/// Share of the places at which growth is measured: those of the least variance.
+constexpr double kGrowthPlaces = 0.35;
+/// Number of scales that a comparison looks ahead. Growth is measured at the places of the least
+/// variance on the scale this many doublings wider.
+constexpr std::size_t kScalesAhead = 3;
 
-/** The places measured on every given scale, those of the least variance on the last one. */
-std::vector<std::size_t> plainestPlaces(const PatchScale& narrow, const PatchScale& wider,
-                                        const PatchScale& widest, double share) {
+/** The places measured on all three scales, of which the given share with the least variance on the
+ * widest scale is returned. */
+std::vector<std::size_t> leastVariancePlaces(const PatchScale& narrow, const PatchScale& wider,
+                                             const PatchScale& widest, double share) {
   std::vector<std::size_t> places;
   for (std::size_t s = 0; s < widest.variances.size(); ++s) {
     if (std::min({narrow.variances[s], wider.variances[s], widest.variances[s]}) >= 0)
@@ -69,28 +71,29 @@ std::vector<std::size_t> plainestPlaces(const PatchScale& narrow, const PatchSca
   return places;
 }
 
-/** Binary logarithm of the ratio of two trimmed means; finite also where exact planes leave a mean
- * of 0. */
+/** Binary logarithm of the ratio of two trimmed means. Exact planes have means of 0; the result is
+ * clamped so that it is finite there, too. */
 double growthOf(std::vector<double> narrow, std::vector<double> wider, double trim) {
-  constexpr double kMost = 100;
+  constexpr double kMostGrowth = 100;
   const double a = trimmedMean(narrow, trim), b = trimmedMean(wider, trim);
-  if (!(a > 0) || !(b > 0)) return b > a ? kMost : a > b ? -kMost : 0;
-  return std::clamp(std::log2(b / a), -kMost, kMost);
+  if (!(a > 0) || !(b > 0)) return b > a ? kMostGrowth : a > b ? -kMostGrowth : 0;
+  return std::clamp(std::log2(b / a), -kMostGrowth, kMostGrowth);
 }
 
-/** What a scale shows, and how it grows to the next. */
+/** Figures of a scale, and their growth to the next scale. */
 struct ScaleFigures {
   double variance = 0, correlation = 1;
   double growth = 0, power_growth = 0;
 };
 
-/** Growth at the plainest places of a wider scale, which do not depend on what is compared. */
+/** Measures growth at the places of the least variance on a wider scale, because a choice by the
+ * compared scales themselves would bias their ratio. */
 void measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
                    const SharedNoiseConstants& constants, ScaleFigures& figures) {
   const PatchScale &narrow = scales[i], &wider = scales[i + 1];
-  const PatchScale& widest = scales[std::min(i + kAhead, scales.size() - 1)];
+  const PatchScale& widest = scales[std::min(i + kScalesAhead, scales.size() - 1)];
   std::vector<double> variances[2], powers[2];
-  for (const std::size_t s : plainestPlaces(narrow, wider, widest, kPlainest)) {
+  for (const std::size_t s : leastVariancePlaces(narrow, wider, widest, kGrowthPlaces)) {
     variances[0].push_back(narrow.variances[s]);
     variances[1].push_back(wider.variances[s]);
     powers[0].push_back(narrow.power(s));
@@ -100,10 +103,10 @@ void measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
   figures.power_growth = growthOf(powers[0], powers[1], constants.trim);
 }
 
-constexpr double kFlatPlace = 0.5;  ///< growth up to which a place is flat
+constexpr double kFlatPlaceGrowth = 0.5;  ///< largest growth of the variance at a flat place
 
-/** Level and correlation at the places where the variance grows little: they are flat at this
- * scale. */
+/** Measures level and correlation at the places where the variance grows little: the surface
+ * is flat there at this scale. */
 void measureFlatPlaces(const PatchScale& scale, const PatchScale& wider,
                        const NoiseConstants& constants, ScaleFigures& figures) {
   const SharedNoiseConstants& shared = constants.shared;
@@ -112,7 +115,7 @@ void measureFlatPlaces(const PatchScale& scale, const PatchScale& wider,
   flat.stride = scale.stride;
   for (std::size_t s = 0; s < scale.variances.size(); ++s) {
     if (scale.variances[s] < 0 || wider.variances[s] < 0) continue;
-    if (wider.variances[s] > std::exp2(kFlatPlace) * scale.variances[s]) continue;
+    if (wider.variances[s] > std::exp2(kFlatPlaceGrowth) * scale.variances[s]) continue;
     flat.variances.push_back(scale.variances[s]);
     flat.shared.push_back(scale.shared[s]);
     flat.radii.push_back(scale.radii[s]);
@@ -122,11 +125,11 @@ void measureFlatPlaces(const PatchScale& scale, const PatchScale& wider,
   if (scale.k >= 2 * shared.cells) figures.correlation = correlationOf(flat, constants);
 }
 
-/** Binary logarithm of the factor by which a scale's power is below a narrower scale's, or by which
- * that of the next few scales falls below its greatest. */
-double fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i) {
+/** Fall of the power as a binary logarithm: the larger of that from the narrower scales to scale i
+ * and that from scale i, or one of the next, to a later one of these. */
+double powerFall(const std::vector<ScaleFigures>& figures, std::size_t i) {
   double power = 0, greatest = 0, fall = 0;
-  for (std::size_t j = 0; j < std::min(i + kAhead, figures.size()); ++j) {
+  for (std::size_t j = 0; j < std::min(i + kScalesAhead, figures.size()); ++j) {
     if (j == i) fall = greatest - power;
     if (j == i) greatest = power;
     power += figures[j].power_growth;
@@ -136,42 +139,49 @@ double fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i) {
   return fall;
 }
 
-constexpr double kFlat = 0.33;       ///< growth at which a size of patch is no plateau
-constexpr double kSlow = 0.62;       ///< the same as a share of the greatest growth before, ...
-constexpr double kMostPeak = 0.8;    ///< ... of which at most this counts
-constexpr double kSteep = 1.2;       ///< growth that noise does not show ...
-constexpr double kSteepWidth = 0.1;  ///< ... and the width of the passage
-constexpr double kFall = 0.8;        ///< fall of the power that noise does not show
+// Constants of (N1).
+constexpr double kPlateauGrowth = 0.33;  ///< growth at which the chance of a plateau is 1/e
+/// The same as a share of the greatest growth before. The larger one of the two is used.
+constexpr double kPlateauGrowthRatio = 0.62;
+/// Bound of the greatest growth before.
+constexpr double kMostPeakGrowth = 0.8;
+constexpr double kShapeGrowth = 1.2;  ///< growth at which the chance that it is a shape's is 1/2
+constexpr double kShapeGrowthWidth = 0.1;  ///< width of the transition around kShapeGrowth
+constexpr double kPowerFall = 0.8;  ///< fall of the power at which the chance of noise is 1/e
 
 /** Chances that a scale is a plateau of noise. */
 struct PlateauChance {
-  double slow = 0;  ///< its variance grows more slowly than before ...
-  double flat = 0;  ///< ... or hardly at all
+  double slow = 0;  ///< its variance grows more slowly than before, or hardly at all
+  double flat = 0;  ///< its variance hardly grows at all
 };
 
+/** Evaluates (N1). */
 std::vector<PlateauChance> plateauChances(const std::vector<ScaleFigures>& figures) {
   std::vector<PlateauChance> chances;
-  double gentle = 1;  // chance that no growth so far was a shape's
-  double peak = 0;    // greatest growth so far
+  double no_shape = 1;  // chance that no growth so far was a shape's
+  double peak = 0;      // greatest growth so far
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
-    const double still = fallOff(std::abs(f.power_growth), kFlat);
-    const double noise = std::max(gentle, still) * fallOff(fallAbout(figures, i), kFall);
-    const double slow = kSlow * std::min(peak, kMostPeak);
-    chances.push_back(
-        {noise * fallOff(f.growth, std::max(kFlat, slow)), noise * fallOff(f.growth, kFlat)});
+    const double constant_power = fallOff(std::abs(f.power_growth), kPlateauGrowth);
+    const double noise =
+        std::max(no_shape, constant_power) * fallOff(powerFall(figures, i), kPowerFall);
+    const double slow = kPlateauGrowthRatio * std::min(peak, kMostPeakGrowth);
+    chances.push_back({noise * fallOff(f.growth, std::max(kPlateauGrowth, slow)),
+                       noise * fallOff(f.growth, kPlateauGrowth)});
     peak = std::max(peak, f.growth);
-    gentle /= 1 + std::exp((f.growth - kSteep) / kSteepWidth);
+    no_shape /= 1 + std::exp((f.growth - kShapeGrowth) / kShapeGrowthWidth);
   }
   return chances;
 }
 
-constexpr double kSpread =
-    1.5;  ///< growth of a plateau's mean over that of plain places, at most, ...
-constexpr double kCreases = 0.1;  ///< ... and added to it
+// Largest growth of the figures after a plateau: a multiple of the growth at the places of least
+// variance, plus a constant. More growth is shape.
+constexpr double kGrowthRatioAfterPlateau = 1.5;
+constexpr double kGrowthAfterPlateau = 0.1;
 
-/** Logarithms of every scale's variance and correlation. After a plateau they grow about as those
- * of the plainest places do: what else wider patches show is shape. */
+/** Logarithms of the variance and the correlation of every scale, without growth after a plateau
+ * that is shape.
+ * \param[in] white variance of the smallest patches, for scales without a flat place */
 std::vector<Eigen::Array2d> withoutShape(const std::vector<ScaleFigures>& figures,
                                          const std::vector<PlateauChance>& chances, double white) {
   std::vector<Eigen::Array2d> shown;
@@ -181,50 +191,58 @@ std::vector<Eigen::Array2d> withoutShape(const std::vector<ScaleFigures>& figure
     shown.emplace_back(std::log(variance), std::log(f.correlation));
     if (i == 0) continue;
     const ScaleFigures& last = figures[i - 1];
-    const Eigen::Array2d plain(last.growth, last.power_growth - last.growth);
+    const Eigen::Array2d growth(last.growth, last.power_growth - last.growth);
     const Eigen::Array2d most =
-        shown[i - 1] + std::log(2.0) * (kCreases + kSpread * plain.max(0.0));
+        shown[i - 1] +
+        std::log(2.0) * (kGrowthAfterPlateau + kGrowthRatioAfterPlateau * growth.max(0.0));
     shown[i] -= chances[i - 1].flat * (shown[i] - most).max(0.0);
   }
   return shown;
 }
 
-constexpr double kShownPart = 0.83;  ///< share of the noise that a profile's patches show
+/// Least share of the noise that the patches of a noise profile contain.
+constexpr double kShownShare = 0.83;
 
-/** The first scale that shows most of a variance. */
+/** The first scale whose variance is most of a given one. */
 std::size_t scaleOf(double variance, const std::vector<ScaleFigures>& figures) {
   std::size_t i = 0;
-  while (i + 1 < figures.size() && figures[i].variance < kShownPart * variance) ++i;
+  while (i + 1 < figures.size() && figures[i].variance < kShownShare * variance) ++i;
   return i;
 }
 
-constexpr double kStill = 0.42;  ///< growth of the power, either way, at which it is not constant
-constexpr double kBeyond = 1.5;  ///< growth beyond a plateau, in all, that noise does not show
+/// Growth of the power, in absolute value, at which the chance that it is constant is 1/e.
+constexpr double kConstantPowerGrowth = 0.42;
+/// Total growth of the variance after two plateaus at which the chance of noise is 1/e.
+constexpr double kGrowthAfterTwoPlateaus = 1.5;
 
-/** Moves from what the smallest patches show towards each scale by its chance to be a plateau. A
- * run of plateaus has its first one's figures unless their power is constant: where the
- * variance grows by little and the power by more, wide patches contain a little of the shape. */
+/** Estimates the noise: moves from the figures of the smallest patches towards those of each scale,
+ * by the chance that the scale is a plateau.
+ *
+ * 1. A row of plateaus has the figures of the first one unless the power is constant. Where the
+ *    variance grows by little and the power by more, wide patches contain a little of the shape.
+ * 2. After two plateaus of constant power, scales with a much larger variance do not count. */
 CurveNoise weigh(const std::vector<ScaleFigures>& figures,
                  const std::vector<PlateauChance>& chances, double white,
                  const SharedNoiseConstants& constants) {
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white);
-  Eigen::Array2d run(std::log(white), shown.front()[1]);
+  Eigen::Array2d row(std::log(white), shown.front()[1]);  // figures of the current row of plateaus
   Eigen::Array2d noise(std::log(white), 0);
   double peak = 0;        // greatest growth of the power so far
-  double last = 0;        // chance that the scale before is a plateau of constant power ...
-  double first = 0;       // ... and that two such scales in a row have shown the noise
-  double level = run[0];  // of these, its variance
+  double last = 0;        // chance that the scale before is a plateau of constant power
+  double found = 0;       // greatest chance so far that two such scales in a row showed the noise
+  double level = row[0];  // log variance of these two
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    const double before = i == 0 ? 1 : std::max(chances[i - 1].flat, first);
+    const double in_row = i == 0 ? 1 : std::max(chances[i - 1].flat, found);
     const double moves = std::abs(figures[i].power_growth);
-    const double still = fallOff(moves, std::max(kStill, constants.slowing * peak));
-    if (i > 0) run += (1 - before * (1 - still)) * (shown[i] - run);
-    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), kBeyond);
-    noise += chances[i].slow * (1 - first * beyond) * (run - noise);
-    const double plateau = chances[i].flat * still;
-    if (last * plateau > first) {
-      first = last * plateau;
-      level = run[0];
+    const double constant_power =
+        fallOff(moves, std::max(kConstantPowerGrowth, constants.constant_power_ratio * peak));
+    if (i > 0) row += (1 - in_row * (1 - constant_power)) * (shown[i] - row);
+    const double beyond = 1 - fallOff((row[0] - level) / std::log(2.0), kGrowthAfterTwoPlateaus);
+    noise += chances[i].slow * (1 - found * beyond) * (row - noise);
+    const double plateau = chances[i].flat * constant_power;
+    if (last * plateau > found) {
+      found = last * plateau;
+      level = row[0];
     }
     last = plateau;
     peak = std::max(peak, moves);
@@ -233,21 +251,23 @@ CurveNoise weigh(const std::vector<ScaleFigures>& figures,
   return {variance, std::exp(noise[1]), scaleOf(variance, figures)};
 }
 
-constexpr double kShape = 2;  ///< growth, twice in a row, after which there is shape alone
+/// Least growth of two scales in a row after which wider patches show shape alone.
+constexpr double kShapeAloneGrowth = 2;
 
-/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds.
- * More than a cubic's bias grows by is none: patches along a lidar's ring show nothing at all. */
+/** Whether the last two scales show shape alone, as the first scales of a clean cloud do. Growth
+ * beyond that of a cubic's bias is no shape: the smallest patches on a lidar's ring show no noise.
+ */
 bool isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants) {
   const std::size_t n = scales.size();
   if (n < 3) return false;
   ScaleFigures before, last;
   measureGrowth(scales, n - 3, constants.shared, before);
   measureGrowth(scales, n - 2, constants.shared, last);
-  return std::min(before.growth, last.growth) > kShape &&
+  return std::min(before.growth, last.growth) > kShapeAloneGrowth &&
          std::max(before.growth, last.growth) < 2 * std::log2(constants.bias_growth);
 }
 
-/** The figures of a scale, from it and the next one. */
+/** Figures of a scale, measured on it and the next one. */
 ScaleFigures figuresOf(const std::vector<PatchScale>& scales, std::size_t i,
                        const NoiseConstants& constants) {
   ScaleFigures figures;
@@ -256,24 +276,24 @@ ScaleFigures figuresOf(const std::vector<PatchScale>& scales, std::size_t i,
   return figures;
 }
 
-constexpr double kLeast = 1.5;  ///< fewer neighbours than this share nothing
+constexpr double kLeastCorrelation = 1.5;  ///< a lesser correlation is chance [points]
 
-/** Whether two scales in a row, of patches wide enough to show it, have the same noise and no
- * shared noise: then what wider patches show is shape. */
+/** Whether the last two scales have the same noise and no shared noise, on patches wide enough to
+ * show it. Wider patches then add shape alone. */
 bool isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants) {
   const SharedNoiseConstants& shared = constants.shared;
   const std::size_t n = scales.size();
   if (n < 3 || scales[n - 3].k < 2 * shared.cells) return false;
   for (const std::size_t i : {n - 3, n - 2}) {
     const ScaleFigures f = figuresOf(scales, i, constants);
-    if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.chance ||
-        f.correlation >= kLeast)
+    if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.white_growth ||
+        f.correlation >= kLeastCorrelation)
       return false;
   }
   return true;
 }
 
-/** Measures scales from patches of k points on. */
+/** Measures scales from patches of k points on, two at least, until wider ones add nothing. */
 void measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
                    const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales) {
   const auto isKnown = [&] { return isShape(scales, constants) || isWhite(scales, constants); };
@@ -283,7 +303,7 @@ void measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
   }
 }
 
-/** The noise that scales show. */
+/** The noise estimated from scales. */
 CurveNoise noiseOf(const std::vector<PatchScale>& scales, double white,
                    const NoiseConstants& constants) {
   std::vector<ScaleFigures> figures;
@@ -292,7 +312,7 @@ CurveNoise noiseOf(const std::vector<PatchScale>& scales, double white,
   return weigh(figures, plateauChances(figures), white, constants.shared);
 }
 
-/** Half of the places, at random. */
+/** A random half of the places. */
 std::vector<std::size_t> halfOf(std::size_t count, std::size_t seed) {
   std::mt19937_64 random(seed);
   std::vector<std::size_t> places(count);
@@ -316,10 +336,10 @@ PatchScale scaleAt(const PatchScale& scale, const std::vector<std::size_t>& plac
   return part;
 }
 
-constexpr std::size_t kHalfSamples = 8;  ///< halves of the places whose outcomes are compared
+constexpr std::size_t kHalfSamples = 8;  ///< number of random halves of the places
 
-/** The noise by halves of the places: they scatter about that of all as the latter does about the
- * truth (McCarthy 1969). */
+/** Estimates from random halves of the places. They scatter about the estimate from all places as
+ * that one does about the truth (McCarthy 1969). */
 std::vector<CurveNoise> halvesOf(const std::vector<PatchScale>& scales, double white,
                                  const NoiseConstants& constants, int threads) {
   std::vector<CurveNoise> halves(kHalfSamples);
@@ -333,25 +353,27 @@ std::vector<CurveNoise> halvesOf(const std::vector<PatchScale>& scales, double w
   return halves;
 }
 
-/** 0 up to low, 1 from high on. */
+/** 0 up to low, 1 from high on, linear between. */
 double ramp(double x, double low, double high) {
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
 
-constexpr double kPlain =
-    1.0;  ///< growth from the smallest patches' variance from which on all of it counts
+/// Growth over the variance of the smallest patches from which it counts in full.
+constexpr double kFullGrowth = 1.0;
 
+/** The part of an estimate that counts: correlation and growth of the variance count by ramps. */
 CurveShare shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants) {
-  const double share = ramp(curve.correlation, kLeast, constants.all);
+  const double share = ramp(curve.correlation, kLeastCorrelation, constants.full_correlation);
   const double growth = std::log2(curve.variance / white);
-  const double part = std::max(share, ramp(growth, constants.chance, kPlain));
-  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
-  const double taken = std::min(std::exp2(part * growth), constants.all);
+  const double part = std::max(share, ramp(growth, constants.white_growth, kFullGrowth));
+  // The growth is a lower bound of the correlation: the smallest patches' cubics absorb noise that
+  // their points share, as on a lidar's rings.
+  const double absorbed = std::min(std::exp2(part * growth), constants.full_correlation);
   return {part, white * std::exp2(part * growth),
-          std::max(taken, 1 + share * (curve.correlation - 1))};
+          std::max(absorbed, 1 + share * (curve.correlation - 1))};
 }
 
-/** The scatter of a curve's halves. */
+/** The scatter of the estimates from halves about the estimate from all places. */
 LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants) {
   const CurveShare all = shareOf(curve.noise, white, constants);
   LogErrors errors;
@@ -364,30 +386,28 @@ LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConst
   return {errors.variance / count, errors.correlation / count};
 }
 
-/// RMS error wanted of the logarithms of the variance and of the number of points that share
-/// errors.
-constexpr double kError = 0.07;
+/// Largest RMS error of the logarithms of the variance and of the correlation.
+constexpr double kLogError = 0.07;
 
-/** The places that it takes for what counts of the noise to be known to the accuracy wanted. */
+/** The number of places that the largest error needs. */
 double neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants) {
   const LogErrors errors = errorsOf(curve, white, constants);
-  const double excess = std::max(errors.variance, errors.correlation) / (kError * kError);
+  const double excess = std::max(errors.variance, errors.correlation) / (kLogError * kLogError);
   return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
 
-/// One place for this many points and no fewer than this, up to SharedNoiseConstants::places.
-constexpr std::size_t kPointsPerPlace = 20, kLeastPlaces = 100;
+constexpr std::size_t kPointsPerPlace = 20;  ///< there is at most one place for this many points
+constexpr std::size_t kLeastPlaces = 100;    ///< there are at least this many places
 
-/** Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
- * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours
- * share").
- * \param[in] white variance by the smallest patches */
+/** Measures the curve of a cloud, again with more places if random halves of them differ too much.
+ * \param[in] k number of points of the smallest patches \param[in] white their variance */
 NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
                         const NoiseConstants& given, int threads) {
   NoiseConstants constants = given;
   SharedNoiseConstants& shared = constants.shared;
-  // Patches of a thin part end at its borders, where the power slows down, too.
-  if (store.hasSides() && !store.hasNormals()) shared.slowing = shared.sided_slowing;
+  // Patches of a thin part end at its borders, where the growth of the power slows down, too.
+  if (store.hasSides() && !store.hasNormals())
+    shared.constant_power_ratio = shared.sided_constant_power_ratio;
   const auto measure = [&](std::size_t places) {
     NoiseCurve curve;
     ThinnedPlaces points(store, places);
@@ -401,51 +421,54 @@ NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
   const std::size_t most = std::min(shared.most_places, wanted);
   NoiseCurve curve = measure(places);
   const double needed = neededPlaces(curve, white, shared);
-  constexpr double kMore = 4;  // few places do not know well how many it takes
+  constexpr double kLeastFactor = 4;  // the number needed is uncertain if estimated from few places
   const auto few = static_cast<double>(places);
   if (places >= most || !(needed > few)) return curve;
-  const double more = std::min(std::max(needed, kMore * few), static_cast<double>(most));
+  const double more = std::min(std::max(needed, kLeastFactor * few), static_cast<double>(most));
   return measure(static_cast<std::size_t>(more));
 }
 
-constexpr std::size_t kPlaces = 1200;  ///< where patches that show all of a rounding are compared
-constexpr double kRoundingFlat = 0.7;  ///< growth beyond those patches that is a surface's
+constexpr std::size_t kRoundingPlaces = 1200;  ///< number of places where rounding is measured
+/// Growth beyond the patches that show all of the rounding at which the chance of noise is 1/e.
+constexpr double kRoundingGrowth = 0.7;
 
-/** The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
- * that wide cells share nothing. Where detail follows directly, patches of half the width show it.
- * \param[in] k points of patches that show all of it \param[out] scales those measured */
+/** Measures the noise of a rounded coordinate. Its errors change sign from one terrace to the next
+ * and cancel in wide cells. Where detail follows directly, patches of half the width are used.
+ * \param[in] k number of points of patches that show all of it
+ * \param[out] scales the scales measured: k / 2, k and 2 k */
 CurveNoise measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
                            int threads, std::vector<PatchScale>& scales) {
-  ThinnedPlaces points(store, kPlaces);
+  ThinnedPlaces points(store, kRoundingPlaces);
   for (const std::size_t size : {k / 2, k, 2 * k})
     scales.push_back(measureScale(points, size, constants, threads));
   const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);
   const double growth = std::log2(median(scales[2].variances) / median(scales[1].variances));
-  const double chance = fallOff(growth, kRoundingFlat);
-  const double least = constants.shared.all;
+  const double chance = fallOff(growth, kRoundingGrowth);
+  const double least = constants.shared.full_correlation;
   const double shared = std::max(least, correlationOf(scales[2], constants));
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }
 
-constexpr double kUneven = 2;  ///< variance over the cloud's from which noise passes for detail
-constexpr double kUnevenShare =
-    0.1;  ///< share of places of this noise from which a profile is made
+/// Ratio of a place's variance to the cloud's from which a fit takes the noise for detail.
+constexpr double kUnevenRatio = 2;
+/// Share of such places from which the noise is uneven.
+constexpr double kUnevenShare = 0.1;
 
-/** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail.
- */
+/** Whether more than kUnevenShare of the places have so much more noise than the cloud that a fit
+ * takes it for detail. */
 bool isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
               const NoiseConstants& constants, int threads) {
   const auto narrow = windowedMeans(scale.variances, constants, threads);
   const auto wide = windowedMeans(wider.variances, constants, threads);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
-    noisy += wide[s] > kUneven * variance && isFlat(narrow[s], wide[s], constants);
+    noisy += wide[s] > kUnevenRatio * variance && isFlat(narrow[s], wide[s], constants);
   return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(wide.size());
 }
 
-/** The same on two pairs of scales: an edge's residual is noise to one of them at most.
- * \param[in] scales the first two of a curve, from the noise's own patches on or not; all are
- * measured at their places */
+/** Whether the noise is uneven on two pairs of scales: k and 2 k, 2 k and 4 k points. At an edge of
+ * the surface at most one pair shows the constant variance of noise.
+ * \param[in] scales the curve's, measured at the same places; reused if they begin with k points */
 bool staysUneven(const PointStore& store, const NoiseLevel& noise,
                  const std::vector<PatchScale>& scales, const NoiseConstants& constants,
                  int threads) {
@@ -461,17 +484,17 @@ bool staysUneven(const PointStore& store, const NoiseLevel& noise,
          isUneven(wider, scale(4), noise.variance, constants, threads);
 }
 
-/// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of
-/// it costs smooth parts little.
-constexpr double kCounted = 12;
+/// Largest correlation that a fit counts in full [points]. Of a larger one the geometric mean with
+/// this counts: a large tau rounds edges, and the reduction costs smooth parts little.
+constexpr double kFullDependence = 12;
 
-/** Sets how many points share their errors, and as how many of these a fit counts one. */
+/** Sets the correlation of the noise, and the number of points that a fit counts as one. */
 void setCorrelation(double correlation, NoiseLevel& noise) {
   noise.correlation = noise.dependence = correlation;
-  if (correlation > kCounted) noise.dependence = std::sqrt(kCounted * correlation);
+  if (correlation > kFullDependence) noise.dependence = std::sqrt(kFullDependence * correlation);
 }
 
-/** The noise that one scale shows. */
+/** The noise of one scale. */
 NoiseLevel scaleNoise(const PatchScale& scale, const NoiseConstants& constants) {
   NoiseLevel noise;
   noise.variance = levelOf(scale, constants);
@@ -481,8 +504,8 @@ NoiseLevel scaleNoise(const PatchScale& scale, const NoiseConstants& constants) 
   return noise;
 }
 
-/** Sets the errors of a curve's noise: the scatter of its halves, that of a variance of as many
- * values as the cloud has independent errors, and white noise's own. */
+/** Sets the errors of a curve's noise. Its variance has three: the scatter of the estimates from
+ * halves, the chance error of a variance of n / tau values, and the error of white noise. */
 void setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white,
                double points, const SharedNoiseConstants& constants, NoiseLevel& noise) {
   const LogErrors errors = errorsOf(curve, white.variance, constants);
@@ -491,21 +514,21 @@ void setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel&
   noise.correlation_error = std::sqrt(errors.correlation + chance);
 }
 
-/** The noise of a curve. */
+/** The noise of a curve that counts, or white noise. */
 NoiseLevel curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
                       const NoiseConstants& constants) {
   const SharedNoiseConstants& shared = constants.shared;
   const CurveShare share = shareOf(curve.noise, white.variance, shared);
-  NoiseLevel noise = share.correlation > shared.white
+  NoiseLevel noise = share.correlation > shared.white_correlation
                          ? scaleNoise(curve.scales[curve.noise.scale], constants)
                          : white;
   noise.variance = share.variance;
-  if (share.correlation > shared.white) setCorrelation(share.correlation, noise);
+  if (share.correlation > shared.white_correlation) setCorrelation(share.correlation, noise);
   setErrors(curve, share, white, points, shared, noise);
   return noise;
 }
 
-/** Rounding of a coordinate where there is little other noise. */
+/** The noise of a rounded coordinate with little other noise. */
 NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
                          const NoiseConstants& constants, int threads) {
   std::vector<PatchScale> scales;
@@ -517,11 +540,11 @@ NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
   return noise;
 }
 
-constexpr double kResolved =
-    1e-7;  ///< RMS noise below which there is rounding of floats alone [L of the bulk]
+/// RMS noise below which there is only the rounding of floats [PointStore::bulkDiagonal()].
+constexpr double kFloatNoise = 1e-7;
 
-/** White noise of points on lines: across a line its points count as one independent point. */
-NoiseLevel alongLines(const NoiseLevel& white) {
+/** White noise of points on lines. Across a line, its points count as one independent point. */
+NoiseLevel lineNoise(const NoiseLevel& white) {
   NoiseLevel noise = white;
   noise.dependence = static_cast<double>(white.line);
   return noise;
@@ -532,17 +555,17 @@ NoiseLevel alongLines(const NoiseLevel& white) {
 NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                                 const NoiseConstants& constants, int threads) {
   if (white.neighbors == 0) return white;
-  if (white.line > 0) return alongLines(white);
+  if (white.line > 0) return lineNoise(white);
   threads = resolveThreads(threads);
   const NoiseCurve curve = measureCurve(store, white.neighbors, white.variance, constants, threads);
   const std::vector<PatchScale>& scales = curve.scales;
-  const double resolved = kResolved * store.bulkDiagonal();
+  const double resolved = kFloatNoise * store.bulkDiagonal();
   if (curve.noise.variance < resolved * resolved) return white;
   NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
   const StepNoise steps = measureSteps(store, constants, threads);
   if (steps.step > 0 && store.size() >= 2 * constants.most_part * steps.neighbors) {
     const NoiseLevel rounding = roundingNoise(store, steps, constants, threads);
-    if (noise.correlation < constants.shared.all ||
+    if (noise.correlation < constants.shared.full_correlation ||
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
   }

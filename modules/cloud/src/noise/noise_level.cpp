@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise of a cloud: of its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"),
+// The noise of a cloud by its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"),
 // of merged frames, along the Morton curve, and of its normals.
 #include "pcl_slim/cloud/noise_level.h"
 
@@ -17,10 +17,10 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kSamples = 500;          ///< patches of the smallest size ...
-constexpr std::size_t kPointsPerSample = 250;  ///< ... and one for this many points of large clouds
-constexpr double kFloor =
-    1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
+constexpr std::size_t kSamples = 500;          ///< number of patches of the smallest size
+constexpr std::size_t kPointsPerSample = 250;  ///< a large cloud has one for this many points
+/// Least sqrt(lambda) [PointStore::bulkDiagonal()]: float positions resolve no less.
+constexpr double kLeastNoise = 1e-11;
 
 /** The noise of patches of k points: their trimmed mean variance and median radius. */
 NoiseLevel patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants,
@@ -37,7 +37,7 @@ NoiseLevel patchLevel(const PointStore& store, std::size_t k, const NoiseConstan
     return patchVariance(store, search, sample, k, constants, radii[s]);
   };
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
-  putBackCutOff(radii, constants, threads, values);
+  restoreCutVariances(radii, constants, threads, values);
   NoiseLevel level;
   level.error = 0.5 * trimmedMeanError(values, constants.trim);
   level.variance = trimmedMean(values, constants.trim);
@@ -47,7 +47,7 @@ NoiseLevel patchLevel(const PointStore& store, std::size_t k, const NoiseConstan
   return level;
 }
 
-/** Takes the cubic's bias off, which a patch of twice as many points shows. */
+/** Subtracts the cubic's bias, which is estimated from patches of twice as many points. */
 void removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel& noise) {
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
@@ -76,7 +76,7 @@ NoiseLevel measureNoise(const PointStore& store, const NoiseConstants& constants
     }
     noise = wider;
   }
-  const double floor = kFloor * store.bulkDiagonal();
+  const double floor = kLeastNoise * store.bulkDiagonal();
   if (noise.variance < floor * floor) noise.error = 0;
   noise.variance = std::max(noise.variance, floor * floor);
   noise.line = first > constants.first_neighbors ? first / 2 : 0;
@@ -109,34 +109,33 @@ NoiseLevel measurePaperNoise(const PointStore& store, const NoiseConstants& cons
   return noise;
 }
 
-// docs/theory.md, "Merged frames": noise that points of one frame share, where the frames' numbers
-// or the places of sensors show which points those are.
+// Noise that points of one frame share (docs/theory.md, "Merged frames"). Frame numbers or sensor
+// positions give the points of a frame.
 
 namespace {
 
-constexpr std::size_t kFrameSample = 8192;  ///< points whose frames are examined
-constexpr double kFramePoints = 2000;       ///< of a frame whose noise is measured ...
-constexpr std::size_t kMostFrames = 8;      ///< ... and such frames at most: more show the same
+constexpr std::size_t kFrameSample = 8192;  ///< number of points whose frames are counted
+constexpr double kFramePoints = 2000;       ///< least number of points of a frame that is measured
+constexpr std::size_t kMostFrames = 8;      ///< most frames that are measured; more add little
 
-/** What points of one frame have in common: its number or, where frames have none, the place of its
- * sensor. */
+/** Key of a point's frame: its number or, without numbers, the position of its sensor. */
 Vector3 frameOf(const PointStore& store, std::size_t point) {
   if (store.hasFrameNumbers()) return {static_cast<double>(store.frameNumber(point)), 0, 0};
   return store.sensor(point);
 }
 
-/** The frames of most points of a sample, those of most points first; none where all are of one, or
- * each of its own as along a trajectory. */
+/** The largest frames in a sample of the points, largest first. \return empty if all points are of
+ * one frame, or each of its own as along a trajectory */
 std::vector<Vector3> largestFrames(const PointStore& store) {
   std::map<Vector3, std::size_t> counts;
   const std::size_t samples = std::min(kFrameSample, store.size());
   for (std::size_t s = 0; s < samples; ++s)
     ++counts[frameOf(store, (2 * s + 1) * store.size() / (2 * samples))];
   if (counts.size() < 2) return {};
-  const double stands_for = static_cast<double>(store.size()) / static_cast<double>(samples);
+  const double points_per_sample = static_cast<double>(store.size()) / static_cast<double>(samples);
   std::vector<std::pair<std::size_t, Vector3>> frames;
   for (const auto& [frame, count] : counts) {
-    if (count > 1 && static_cast<double>(count) * stands_for >= kFramePoints)
+    if (count > 1 && static_cast<double>(count) * points_per_sample >= kFramePoints)
       frames.emplace_back(count, frame);
   }
   std::stable_sort(frames.begin(), frames.end(),
@@ -148,7 +147,7 @@ std::vector<Vector3> largestFrames(const PointStore& store) {
   return largest;
 }
 
-/** The points of a frame. One sensor sees one side of a part: they need no sides. */
+/** The points of a frame, without sides: one sensor sees only one side of a part. */
 PointStore pointsOf(const PointStore& store, const Vector3& frame, int threads) {
   std::vector<std::uint32_t> others;
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -163,7 +162,7 @@ std::size_t widestPatch(const PointStore& store, const NoiseConstants& constants
   return std::max(constants.first_neighbors, store.size() / constants.most_part);
 }
 
-/** Patches whose cells contain about as many points as share their errors. */
+/** Patches whose cells contain about as many points as share an error. */
 PatchScale scaleOfCells(const PointStore& store, double correlation,
                         const NoiseConstants& constants, int threads) {
   const SharedNoiseConstants& shared = constants.shared;
@@ -173,11 +172,11 @@ PatchScale scaleOfCells(const PointStore& store, double correlation,
   return measureScale(store, k, constants, threads);
 }
 
-/** What patches of some radius show: between those of two sizes. */
+/** Figures of patches of a given radius, interpolated between two sizes. */
 struct RadiusFigures {
   double shared = 1;  ///< correlationOf()
-  std::size_t k = 0;  ///< of the nearer size
-  double radius = 0;
+  std::size_t k = 0;  ///< number of points of the size nearer in radius
+  double radius = 0;  ///< median radius of this size
 };
 
 RadiusFigures figuresAtRadius(const PointStore& store, double radius,
@@ -197,7 +196,7 @@ RadiusFigures figuresAtRadius(const PointStore& store, double radius,
   return {std::exp(shared + part * (wider - shared)), nearer.k, median(nearer.radii)};
 }
 
-/** What single frames show. */
+/** The mean noise of single frames. */
 class FrameNoise {
  public:
   explicit FrameNoise(const NoiseConstants& constants, int threads)
@@ -225,9 +224,9 @@ class FrameNoise {
 
   bool empty() const { return sum_.frames == 0; }
   double radius() const { return median(radii_); }
-  double shared() const { return median(shared_); }  ///< by patches of that radius
+  double shared() const { return median(shared_); }  ///< correlationOf() on patches of radius()
 
-  /** The mean of the variances by points, and of what shares an error by points and variance. */
+  /** Mean of the variances, weighted by points, and of the correlations, by points and variance. */
   NoiseLevel mean() const {
     NoiseLevel noise = sum_;
     noise.variance = weights_ / points_;
@@ -258,11 +257,11 @@ NoiseLevel recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
   for (const Vector3& frame : largestFrames(store)) frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
-  if (!(noise.correlation > constants.shared.white))
+  if (!(noise.correlation > constants.shared.white_correlation))
     return recognizeSharedNoise(store, white, constants, threads);
   const RadiusFigures all = figuresAtRadius(store, frames.radius(), constants, threads);
-  // Frames from one place round a surface alike: then as many more points share an error as there
-  // are frames.
+  // Frames from one place have the same rounding errors. Each frame then multiplies the number of
+  // points that share an error.
   const double more = std::max(1.0, all.shared / frames.shared());
   noise.correlation *= more;
   noise.dependence *= more;
@@ -278,16 +277,17 @@ NoiseLevel recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
 
 namespace {
 
-constexpr std::size_t kPointsPerRun = 128;  ///< points of one entry of a noise profile ...
-constexpr std::size_t kMostRuns = 8192;     ///< ... of at most this many entries
+constexpr std::size_t kPointsPerRun = 128;  ///< number of points of one entry of a noise profile
+constexpr std::size_t kMostRuns = 8192;     ///< largest number of entries of a profile
 
-/** How many runs of points along the Morton curve a profile has an entry for. */
+/** The number of entries of a profile, one for each run of points along the Morton curve. */
 std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
   return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
                     kMostRuns);
 }
 
-/** The mean variance of patches of k points about every run. */
+/** The mean variance of patches of k points around every run.
+ * \param[out] whole trimmed mean of all patches */
 std::vector<float> runVariances(const PointStore& store, std::size_t k, std::size_t runs,
                                 const NoiseConstants& constants, int threads,
                                 double* whole = nullptr) {
@@ -351,16 +351,16 @@ std::vector<float> modelledNoise(const PointStore& store, const RangeError& erro
 
 namespace {
 
-constexpr double kLeastTurn =
-    0.25;  ///< sine of the angle beyond 90 degrees that exact normals may differ by
-constexpr std::size_t kBlocks = 1000;    ///< blocks looked at, evenly strided
-constexpr std::size_t kLeastPoints = 8;  ///< points that a block's mean normal takes
-constexpr double kOneSheet = 0.5;        ///< a mean normal shorter than this mixes sheets
-constexpr double kWidest = 0.6435;       ///< largest fall by the normals' errors [rad]: asin(0.6)
-constexpr double kMedianOfTilt =
-    0.6931;  ///< median of (1 - cos) / sigma^2 for tilts of sigma about each axis
+/// Exact normals of one sheet differ by at most 90 degrees and the angle of this sine.
+constexpr double kExactTurn = 0.25;
+constexpr std::size_t kBlocks = 1000;    ///< number of blocks examined, evenly strided
+constexpr std::size_t kLeastPoints = 8;  ///< least number of points of such a block
+constexpr double kOneSheetMean = 0.5;    ///< a shorter mean of unit normals mixes two sheets
+constexpr double kMostTilt = 0.6435;     ///< largest angle for errors of normals [rad]: asin(0.6)
+/// Median of (1 - cos) / sigma^2 for normals tilted by sigma about each axis.
+constexpr double kMedianOfTilt = 0.6931;
 
-/** Adds 1 - cos of the angles between a block's normals and their mean. */
+/** Appends 1 - cos of the angles between a block's normals and their mean. */
 void addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts) {
   const std::size_t begin = block * PointStore::kBlock;
   const std::size_t end = std::min(begin + PointStore::kBlock, store.size());
@@ -371,7 +371,7 @@ void addTilts(const PointStore& store, std::size_t block, std::vector<double>& t
     for (std::size_t a = 0; a < 3; ++a) mean[a] += n[a];
   }
   const double length = std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
-  if (length < kOneSheet * static_cast<double>(end - begin)) return;
+  if (length < kOneSheetMean * static_cast<double>(end - begin)) return;
   for (std::size_t i = begin; i < end; ++i) {
     const auto n = store.normal(i);
     tilts.push_back(1.0 - (n[0] * mean[0] + n[1] * mean[1] + n[2] * mean[2]) / length);
@@ -382,13 +382,13 @@ void addTilts(const PointStore& store, std::size_t block, std::vector<double>& t
 
 float normalBound(const PointStore& store, const NormalBoundConstants& constants) {
   std::vector<double> tilts;
-  const double least_fall = store.hasNormals() ? kLeastTurn : 0;
+  const double least_fall = store.hasNormals() ? kExactTurn : 0;
   const std::size_t blocks = store.numBlocks(), stride = std::max<std::size_t>(1, blocks / kBlocks);
   for (std::size_t block = 0; block < blocks; block += stride) addTilts(store, block, tilts);
   if (tilts.empty()) return static_cast<float>(-least_fall);
   const double sigma = std::sqrt(std::max(0.0, median(tilts)) / kMedianOfTilt);
   return static_cast<float>(
-      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, kWidest))));
+      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, kMostTilt))));
 }
 
 }  // namespace pcl_slim::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Steps": distances that a sensor reports in steps. Points that were rounded in
-// one direction are on parallel planes.
+// Noise of distances that a sensor rounds (docs/theory.md, "Steps"). Rounding along one direction
+// puts points on parallel planes.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -16,25 +16,27 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kPlaces = 100;  ///< where terraces are looked for
-constexpr std::size_t kPatch = 20;    ///< nearest points among which a terrace is looked for
-constexpr std::size_t kTerrace =
-    7;  ///< points on a plane, of these, that are a terrace; a level has more on average
-constexpr double kResolution =
-    1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
-constexpr double kLeastTerraces = 0.05;  ///< share of the places that are on parallel terraces ...
-constexpr double kParallel = 1e-3;       ///< ... to this sine
-constexpr std::size_t kWide = 160;       ///< points of the patches whose variance is compared
-constexpr double kFullRatio = 0.9;       ///< variance over all of rounding's, (step n)^2 / 12, ...
-constexpr double kMostRatio = 2.0;       ///< ... and that beyond which there is other noise
+constexpr std::size_t kPlaces = 100;      ///< number of places examined for terraces
+constexpr std::size_t kPatchPoints = 20;  ///< nearest points of a place that may be on its terrace
+/// Least number of these points on a plane that is a terrace, and least mean number of points of a
+/// level.
+constexpr std::size_t kTerracePoints = 7;
+constexpr double kResolution = 1e-6;  ///< largest distance of points from their plane or level [L]
+constexpr double kLeastTerraces = 0.05;  ///< least share of the places on parallel terraces
+constexpr double kParallelSine = 1e-3;   ///< largest sine of the angle of two parallel terraces
+constexpr std::size_t kWidePatch = 160;  ///< points of the smallest patches measured
+/// Least ratio of the noise to that of rounding, (step n)^2 / 12, on patches that show all of it.
+constexpr double kFullRatio = 0.9;
+constexpr double kMostRatio = 2.0;  ///< largest such ratio; beyond it there is other noise
 
-/** Points of one plane: those of a small patch that are on a common plane with its sample. */
+/** Points of a small patch that are on a common plane with its sample. */
 struct Terrace {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< 0: none
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< 0: there is no terrace
   std::vector<Eigen::Vector3d> points;               ///< local positions
 };
 
-/** The plane through a patch's sample and two of its points that contains most of the others. */
+/** Finds the plane through a patch's sample and two of its points that contains most of the others.
+ * \param[out] most number of points on it \return its unit normal; 0: there is none */
 Eigen::Vector3d fullestPlane(const Patch& patch, double resolution, std::size_t& most) {
   constexpr double kLeastSine = 0.3;
   Eigen::Vector3d fullest = Eigen::Vector3d::Zero();
@@ -60,11 +62,11 @@ Eigen::Vector3d fullestPlane(const Patch& patch, double resolution, std::size_t&
 Terrace terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample) {
   thread_local Patch patch;
   const double resolution = kResolution * store.diagonal();
-  patchAbout(store, search, sample, kPatch, patch);
+  patchAbout(store, search, sample, kPatchPoints, patch);
   Terrace terrace;
   std::size_t count = 0;
   const Eigen::Vector3d normal = fullestPlane(patch, resolution, count);
-  if (count < kTerrace) return terrace;
+  if (count < kTerracePoints) return terrace;
   terrace.normal = normal;
   const Vector3 at = store.position(sample);
   for (std::size_t i = 0; i < patch.points.size(); ++i) {
@@ -75,7 +77,7 @@ Terrace terraceAt(const PointStore& store, NeighborSearch& search, std::size_t s
   return terrace;
 }
 
-/** Those of a direction that most terraces have. */
+/** The terraces parallel to the one that most others are parallel to. */
 std::vector<Terrace> mostParallel(const std::vector<Terrace>& terraces, double sine) {
   std::size_t most = 0, best = 0;
   const auto areParallel = [&](std::size_t i, std::size_t j) {
@@ -103,8 +105,8 @@ Eigen::Vector3d meanNormal(const std::vector<Terrace>& parallel) {
   return sum.normalized();
 }
 
-/** The direction in which points of one level scatter least. Terraces whose places along an axis
- * differ by no more than a tolerance are of one level. */
+/** The direction along which points of one level scatter least. Terraces are of one level if their
+ * coordinates along an axis differ by no more than a tolerance. */
 Eigen::Vector3d commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3d& axis,
                              double same) {
   const auto place = [&](const Terrace& terrace) { return axis.dot(terrace.points.front()); };
@@ -130,8 +132,9 @@ Eigen::Vector3d commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3
   return axes.eigenvectors().col(0);
 }
 
-/** The direction in which a sensor rounded its points, of any rotation of the cloud: the common
- * normal of small exactly plane terraces. None where few places are on such terraces. O(places). */
+/** Finds the direction along which a sensor rounded its points: the common normal of small exactly
+ * plane terraces. The cloud may have any orientation. \return nothing if few places are on
+ * terraces. O(places). */
 std::optional<Eigen::Vector3d> findStepAxis(const PointStore& store, int threads) {
   std::vector<Terrace> terraces(std::min(kPlaces, store.size()));
   const auto least =
@@ -145,9 +148,9 @@ std::optional<Eigen::Vector3d> findStepAxis(const PointStore& store, int threads
                                 [](const Terrace& terrace) { return terrace.points.empty(); }),
                  terraces.end());
   if (terraces.empty() || terraces.size() < least) return {};
-  const std::vector<Terrace> parallel = mostParallel(terraces, kParallel);
+  const std::vector<Terrace> parallel = mostParallel(terraces, kParallelSine);
   if (parallel.size() < least) return {};
-  // Points of a level that are far apart give the axis more exactly than a small terrace does.
+  // Distant points of one level determine the axis more exactly than a small terrace does.
   Eigen::Vector3d axis = meanNormal(parallel);
   for (const double same : {30.0, 3.0})
     axis = commonNormal(parallel, axis, same * kResolution * store.diagonal());
@@ -159,7 +162,7 @@ Eigen::Vector3d placeOf(const PointStore& store, std::size_t i) {
   return {p[0], p[1], p[2]};
 }
 
-/** The distinct places along an axis, ascending. */
+/** The distinct coordinates of the points along an axis, ascending. */
 std::vector<double> levelsOf(const PointStore& store, const Eigen::Vector3d& axis) {
   std::vector<double> values(store.size());
   for (std::size_t i = 0; i < store.size(); ++i) values[i] = axis.dot(placeOf(store, i));
@@ -171,7 +174,7 @@ std::vector<double> levelsOf(const PointStore& store, const Eigen::Vector3d& axi
   return values;
 }
 
-/** The step between the levels about a value. */
+/** The mean step between the levels around a value. */
 double stepAt(const std::vector<double>& levels, double value) {
   const auto above = std::lower_bound(levels.begin(), levels.end(), value) - levels.begin();
   const auto last = static_cast<std::ptrdiff_t>(levels.size()) - 1;
@@ -181,12 +184,13 @@ double stepAt(const std::vector<double>& levels, double value) {
          static_cast<double>(high - low);
 }
 
-/** Medians over places of the noise over that of rounding, and of the step. */
+/** Figures of a place, or their medians over places. */
 struct StepRatios {
-  double to_rounding = 0, step = 0;
+  double to_rounding = 0;  ///< noise over that of rounding; < 0: unknown
+  double step = 0;         ///< step between levels [local length]
 };
 
-/** One place's. */
+/** Measures the figures of one place. */
 StepRatios ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
                     std::size_t k, const std::vector<double>& levels, const Eigen::Vector3d& axis) {
   thread_local Patch patch;
@@ -225,14 +229,14 @@ StepNoise measureSteps(const PointStore& store, const NoiseConstants& constants,
   const auto axis = findStepAxis(store, resolveThreads(threads));
   if (!axis) return {};
   const std::vector<double> levels = levelsOf(store, *axis);
-  if (levels.size() < 3 || levels.size() * kTerrace > store.size()) return {};
+  if (levels.size() < 3 || levels.size() * kTerracePoints > store.size()) return {};
   const auto ratios = [&](std::size_t k) {
     return measureRatios(store, constants, k, resolveThreads(threads), levels, *axis);
   };
-  std::size_t k = kWide;
+  std::size_t k = kWidePatch;
   StepRatios found = ratios(k);
-  // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no
-  // more.
+  // Patches no wider than a terrace contain part of the rounding. On wider ones the noise is that
+  // of rounding and stops growing.
   const std::size_t most = store.size() / (2 * constants.most_part);
   std::size_t wide = k;
   StepRatios wider = found;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patches of a cloud's points, and the residuals of cubics on them (docs/theory.md, "Noise",
+// Patches of points, and the residuals of cubics on them (docs/theory.md, "Noise",
 // "Sheets" and "Noise that neighbours share").
 #include "noise/patch.h"
 
@@ -14,12 +14,12 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kLeastSide = 1;  ///< a side without a point is none
+constexpr std::size_t kLeastSide = 1;  ///< least number of points of a sheet
 
-/** Two parallel sheets through a patch: a common normal, and the height between them. */
+/** Two parallel sheets of a patch. */
 struct SheetPair {
-  Eigen::Vector3d normal;
-  double middle = 0;
+  Eigen::Vector3d normal;  ///< of both
+  double middle = 0;       ///< height between them, relative to the sample
 };
 
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axesOf(const Eigen::Matrix3d& matrix) {
@@ -33,7 +33,7 @@ Eigen::Matrix3d covarianceOf(const PatchSums& sums, std::size_t count) {
   return share * sums.second - (share * sums.first) * (share * sums.first).transpose();
 }
 
-/** Two-means on heights, with the normal of what is left within the two sides. */
+/** Two-means on heights. Each pass takes the normal from the covariance within the two sheets. */
 SheetPair pairSheets(const PatchPoints& points, int passes, double* heights) {
   const PatchSums all = kernels::sumPatch(points);
   SheetPair pair{axesOf(covarianceOf(all, points.size())).eigenvectors().col(0), 0};
@@ -79,7 +79,7 @@ bool keepOwnSheet(const PatchSheetConstants& constants, Patch& patch) {
   std::size_t kept = 0;
   double radius_sq = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    // The sample itself is at height 0.
+    // The sample is at height 0.
     if ((heights[i] > pair.middle) != (0.0 > pair.middle)) continue;
     const Eigen::Vector3d p = patch.points.at(i);
     patch.points.set(kept++, p);
@@ -92,17 +92,19 @@ bool keepOwnSheet(const PatchSheetConstants& constants, Patch& patch) {
 
 namespace {
 
-constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
+/// Relative ridge that keeps the normal equations of points on a line regular. It is below the
+/// accuracy of other patches.
+constexpr double kRidge = 1e-12;
 
-/** Place of u^(degree - v) v^v in graded order. */
-constexpr std::size_t gradedIndex(int degree, int v) {
-  return static_cast<std::size_t>(degree * (degree + 1) / 2 + v);
+/** Index of the term u^(degree - p) v^p in graded order. */
+constexpr std::size_t gradedIndex(int degree, int p) {
+  return static_cast<std::size_t>(degree * (degree + 1) / 2 + p);
 }
 
-/** Part of noise's variance that a ball's residuals show. \param[in] q theirs over its squared
- * radius */
+/** Part of the noise variance that the points in a ball have.
+ * \param[in] q their residual variance over the squared radius of the ball */
 double partLeft(double q) {
-  constexpr double kFull = 0.12;  // of a ball full of points
+  constexpr double kFull = 0.12;  // q of a ball that noise fills uniformly
   q = std::min(q, kFull);
   return 1 - 2 * q - 22 * q * q;
 }
@@ -156,8 +158,9 @@ void patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sam
 
 namespace {
 
-/** Fits a cubic to the patch of k points about a sample, to the sample's own sheet where two run
- * through it. \return false: too few points. \param[in] search over every patchStride(k)-th point
+/** Fits a cubic to the patch of k points around a sample, without the points of another sheet.
+ * \return false if there are too few points
+ * \param[in] search contains every patchStride(k)-th point
  * \param[in] about as in NeighborSearch::nearestSet() \param[out] radius of the patch */
 bool fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
               const NoiseConstants& constants, PatchCubic& cubic, double& radius,
@@ -165,10 +168,11 @@ bool fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sampl
   k /= patchStride(k, constants);
   thread_local Patch patch;
   patchAbout(store, search, sample, k, patch, about);
-  const double wider = probableSquare(patch.radius, static_cast<double>(constants.sheets.factor));
+  const double wider =
+      probableSquare(patch.radius, static_cast<double>(constants.sheets.neighbor_factor));
   if (!store.hasNormals() && keepOwnSheet(constants.sheets, patch)) {
-    // Half the neighbours are of another sheet: twice as many restore the patch's size.
-    patchAbout(store, search, sample, constants.sheets.factor * k, patch, wider);
+    // Half of the neighbours were of another sheet. Twice as many restore the size of the patch.
+    patchAbout(store, search, sample, constants.sheets.neighbor_factor * k, patch, wider);
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;
@@ -183,8 +187,8 @@ double patchVariance(const PointStore& store, NeighborSearch& search, std::size_
   return fitPatch(store, search, sample, k, constants, cubic, radius) ? cubic.variance : -1.0;
 }
 
-void putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants, int threads,
-                   std::vector<double>& variances) {
+void restoreCutVariances(const std::vector<double>& radii, const NoiseConstants& constants,
+                         int threads, std::vector<double>& variances) {
   std::vector<double> parts(variances.size(), -1);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] >= 0 && radii[s] > 0) parts[s] = variances[s] / (radii[s] * radii[s]);
@@ -201,8 +205,8 @@ double uncutVariance(double variance, double radius) {
 
 namespace {
 
-constexpr double kLeastWidth = 0.5;  ///< of a patch, over its length, that is no line
-constexpr std::size_t kWindow = 8;   ///< values to either side that a windowed mean rests on
+constexpr double kLeastWidth = 0.5;  ///< least ratio of width and length of a patch that is no line
+constexpr std::size_t kWindow = 8;   ///< number of values to either side in a window
 
 }  // namespace
 
@@ -268,7 +272,7 @@ namespace {
 /** Sums over square cells of a patch's plane. */
 class PatchCells {
  public:
-  /** Cells of such a width that a disc of radius 1 contains this number. */
+  /** \param[in] cells number of cells with the area of the unit disc */
   explicit PatchCells(double cells)
       : side_(static_cast<int>(std::ceil(2 / std::sqrt(kDisc / cells)))),
         per_width_(1 / std::sqrt(kDisc / cells)),
@@ -281,8 +285,8 @@ class PatchCells {
     squares_ += residual * residual;
   }
 
-  /** The sum of products over all pairs of a cell, each with itself too, over that of squares; and
-   * how many partners a point has on average. */
+  /** \return sum of the products over all pairs in a cell, each point with itself too, over the sum
+   * of squares \param[out] partners mean number of other points in the cell of a point */
   double shared(double& partners) const {
     double products = 0, pairs = 0, points = 0;
     for (const Cell& cell : cells_) {
@@ -313,19 +317,18 @@ class PatchCells {
   double squares_ = 0;
 };
 
-/** tau of errors that are averages over squares: the number of points in a square. A cell of c x c
- * points sees w - (w^2 - 1) / 3 c along each side of a square of w x w.
- * \param[in] shared sharedInPatch() of cells \param[in] points of a cell */
-double squareThatShares(double shared, double points) {
+/** Correlation of errors that are averages over w x w points: w^2. A cell of c x c points contains
+ * only w - (w^2 - 1) / 3 c of w along each side, which this function inverts.
+ * \param[in] shared sharedInPatch() of cells \param[in] points number of points in a cell: c^2 */
+double correctedForCells(double shared, double points) {
   const double third = 1 / (3 * std::sqrt(points)), side = std::sqrt(std::max(1.0, shared));
   const double root = std::max(0.0, 1 - 4 * third * (side - third));
   const double width = (1 - std::sqrt(root)) / (2 * third);
   return width * width;
 }
 
-/** How much neighbouring residuals of a patch have in common: the sum of products over all pairs of
- * points in a cell, over the sum of squares. The patch's disc is cut into square cells. 1 for white
- * noise; < 0: nothing is known. */
+/** Correlation of the residuals within square cells of a patch: the sum of products over all pairs
+ * of points in a cell, over the sum of squares. \return 1 for white noise; < 0: unknown */
 double sharedInPatch(const PatchCubic& cubic, double num_cells) {
   PatchCells cells(num_cells);
   const std::size_t n = cubic.places.size();
@@ -334,8 +337,7 @@ double sharedInPatch(const PatchCubic& cubic, double num_cells) {
   if (cells.empty()) return -1;
   double partners;
   const double shared = cells.shared(partners);
-  // The cubic follows its points, which reduces the covariance of neighbours' residuals by this
-  // share.
+  // The fit of the cubic reduces the covariance of neighbouring residuals by this share.
   const double lost = kCubicTerms * partners / static_cast<double>(n);
   return lost < 1 ? shared / (1 - lost) : -1.0;
 }
@@ -352,7 +354,7 @@ PointStore everySecond(const PointStore& store, std::size_t first, int threads) 
 }  // namespace
 
 double PatchScale::power(std::size_t place) const {
-  // Of the points left out as many share with a point as their part of all of them.
+  // The correlation among all points is stride times that among every stride-th point.
   const double sharing = 1 + static_cast<double>(stride) * (shared[place] - 1);
   return variances[place] * std::max(1.0, sharing);
 }
@@ -366,7 +368,7 @@ ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole
 void ThinnedPlaces::thinTo(std::size_t stride, int threads) {
   for (; stride_ < stride; stride_ *= 2) {
     const std::size_t before = stride_ == 1 ? 1 : parts_.size();
-    const std::size_t parts = stride_ < kFirst ? 1 : std::min(2 * before, kParts);
+    const std::size_t parts = stride_ < kOnePartStride ? 1 : std::min(2 * before, kMostParts);
     std::vector<PointStore> thinner;
     for (std::size_t p = 0; p < parts; ++p)
       thinner.push_back(everySecond(storeOf(p % before), p / before, threads));
@@ -411,10 +413,9 @@ double levelOf(const PatchScale& scale, const NoiseConstants& constants) {
 
 double correlationOf(const PatchScale& scale, const NoiseConstants& constants) {
   std::vector<double> shared = scale.shared;
-  const std::size_t looked_at = scale.k / scale.stride;
-  const double points =
-      static_cast<double>(looked_at) / static_cast<double>(constants.shared.cells);
-  const double among = squareThatShares(trimmedMean(shared, constants.shared.trim), points);
+  const std::size_t used = scale.k / scale.stride;
+  const double points = static_cast<double>(used) / static_cast<double>(constants.shared.cells);
+  const double among = correctedForCells(trimmedMean(shared, constants.shared.trim), points);
   return 1 + static_cast<double>(scale.stride) * (among - 1);
 }
 

@@ -22,7 +22,8 @@ HWY_INLINE double sumOf(Wide v) {
   return GetLane(SumOfLanes(Doubles(), v));
 }
 
-/** Calls body(first index, mask of those before the end) for every group of lanes. */
+/** Calls body(index of the first lane, mask of the lanes before the end) for every group of lanes.
+ */
 template <typename Body>
 HWY_INLINE void forGroups(std::size_t count, const Body& body) {
   const Doubles d;

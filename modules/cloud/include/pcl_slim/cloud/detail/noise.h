@@ -10,46 +10,61 @@
 
 namespace pcl_slim::detail {
 
-/** \brief How a patch is separated where it contains two sheets (docs/theory.md, "Sheets"). */
+/** \brief Separation of a patch that contains two sheets (docs/theory.md, "Sheets"). */
 struct PatchSheetConstants {
-  int passes = 4;    ///< rounds of two-means on the heights
-  double gap = 1.0;  ///< a gap this many times the larger spread of the two sides parts sheets
-  std::size_t factor = 2;  ///< factor of the number of neighbours where a sheet was dropped
+  int passes = 4;  ///< iterations of two-means on the heights
+  /// Least gap between the heights of two sheets, as a multiple of the larger range of heights on
+  /// either side.
+  double gap = 1.0;
+  /// Factor of the number of neighbours after a sheet was dropped, which restores the patch's size.
+  std::size_t neighbor_factor = 2;
 };
 
-/** \brief How noise that neighbours share is distinguished from detail (docs/theory.md, "Noise that
- * neighbours share"). Growth is the binary logarithm of the factor by which a figure grows from
- * patches of k points to patches of 2 k. */
+/** \brief Separation of noise that neighbours share from detail (docs/theory.md, "Noise that
+ * neighbours share").
+ *
+ * A growth is the binary logarithm of the factor by which a figure grows from patches of k points
+ * to patches of 2 k points. */
 struct SharedNoiseConstants {
-  std::size_t places = 300;        ///< places where patches are compared ...
-  std::size_t most_places = 6400;  ///< ... and up to this many where the noise is in doubt
-  std::size_t cells = 32;          ///< of equal size, into which a patch's points fall
-  /// Growth of the power, as a share of the greatest growth before, at which it is not constant;
-  /// the same of thin parts with sides that were found.
-  double slowing = 0.8, sided_slowing = 0.5;
-  double trim = 0.15;   ///< share of patches left out at either end of a size's mean
-  double all = 2;       ///< neighbours that share noise from which they count in full
-  double white = 1.05;  ///< number of points up to which noise counts as white
-  double chance = 0.2;  ///< growth from the smallest patches' variance that white noise may show
+  std::size_t places = 300;        ///< number of places where patches are compared at first
+  std::size_t most_places = 6400;  ///< largest number of places, used where the error is too large
+  std::size_t cells = 32;          ///< number of squares that a patch is cut into
+  /// The power is constant if it grows by less than this share of its greatest growth so far. A
+  /// later plateau counts only then.
+  double constant_power_ratio = 0.8;
+  /// The same for thin parts with sides that were found. Their patches end at borders, where the
+  /// power of a shape slows down, too.
+  double sided_constant_power_ratio = 0.5;
+  double trim = 0.15;  ///< share of the places left out at either end of the mean of a size
+  /// Correlation from which it counts in full [points]. It does not count below kLeastCorrelation.
+  double full_correlation = 2;
+  double white_correlation = 1.05;  ///< largest correlation of white noise [points]
+  /// Largest growth of the variance that white noise shows by chance.
+  double white_growth = 0.2;
 };
 
-/** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
+/** \brief Measurement of a cloud's noise level (docs/theory.md, "Noise"). */
 struct NoiseConstants {
-  std::size_t first_neighbors = 20;  ///< points of the smallest patch
-  std::size_t most_part = 8;         ///< a patch contains at most the cloud's points over this
-  std::size_t patch_points = 320;    ///< points used of a patch; larger patches are sampled
-  std::size_t least_samples = 100;   ///< patches of a large size
-  double trim = 0.1;                 ///< share of patches left out at either end of a trimmed mean
-  double patch_noise = 0.4;  ///< sqrt(lambda) over the patch's radius above which noise fills it
-  /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
+  std::size_t first_neighbors = 20;  ///< number of points of the smallest patch
+  /// The largest patch contains this part of the cloud: one eighth.
+  std::size_t most_part = 8;
+  /// Most points of a patch that are used. Of a larger patch every second, fourth, ... is used.
+  std::size_t patch_points = 320;
+  std::size_t least_samples = 100;  ///< least number of patches of one size
+  double trim = 0.1;                ///< share of the patches left out at either end of a mean
+  /// sqrt(lambda) over the radius of the patch above which noise fills the patch. A patch of twice
+  /// as many points is measured then.
+  double patch_noise = 0.4;
+  /// Factor by which the squared bias of a cubic grows when the number of points doubles. The bias
+  /// grows like the eighth power of the radius.
   double bias_growth = 16.0;
 
-  std::size_t paper_samples = 1000;  ///< neighbourhoods of the paper's estimate
-  std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
+  std::size_t paper_samples = 1000;  ///< number of neighbourhoods of the paper's estimate
+  std::size_t paper_neighbors = 10;  ///< neighbours of each, without the sample
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
-  float least_ratio =
-      0.05f;  ///< least noise ratio of an entry of a profile; its inverse is the largest
+  /// Least ratio of a local noise variance to the cloud's. Its inverse is the largest.
+  float least_ratio = 0.05f;
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;
@@ -57,98 +72,107 @@ struct NoiseConstants {
 
 /** \brief The normal bound (docs/theory.md, "Sheets"). */
 struct NormalBoundConstants {
-  double deviations = 3.0;  ///< deviations of the normals' errors that the bound falls by
+  /// Tilt by which errors of the normals lower the bound [standard deviations of the normals].
+  double deviations = 3.0;
 };
 
-/** \brief A measured noise level, and the patches that showed it. */
+/** \brief A noise level, and the patches that it was measured on. */
 struct NoiseLevel {
-  double variance = 0;           ///< lambda, squared local lengths
-  double error = 0;              ///< relative standard error of its root
-  double patch_radius = 0;       ///< median radius of the patches, local length
-  std::size_t neighbors = 0;     ///< points of such a patch; 0: the store has too few points
-  std::size_t patches = 0;       ///< patches measured, of any size
-  std::size_t line = 0;          ///< points of a patch that is a line; 0: the smallest are none
-  double correlation = 1;        ///< tau: points that share their errors; 1: white noise
+  double variance = 0;        ///< lambda [squared local length]
+  double error = 0;           ///< relative standard error of sqrt(lambda)
+  double patch_radius = 0;    ///< median radius of the patches [local length]
+  std::size_t neighbors = 0;  ///< points of such a patch; 0: the store has too few points
+  std::size_t patches = 0;    ///< number of patches measured, of any size
+  /// Largest number of points whose patches are lines; 0: the smallest patches are no lines.
+  std::size_t line = 0;
+  double correlation = 1;        ///< tau: number of points that share an error; 1: white noise
   double correlation_error = 0;  ///< relative standard error of tau
-  double dependence = 1;         ///< of these, as many as a fit takes for one
-  double step = 0;               ///< of quantised coordinates, local length; 0: none was found
-  std::size_t frames = 0;        ///< whose noise it is; 0: that of the cloud as a whole
-  bool uneven = false;           ///< places have more noise, which a fit would take for detail
+  /// Number of points that a fit counts as one independent point; less than a large tau.
+  double dependence = 1;
+  double step = 0;         ///< step of quantised coordinates [local length]; 0: none was found
+  std::size_t frames = 0;  ///< number of frames measured; 0: the cloud was measured as a whole
+  /// Some places have so much more noise than others that a fit would take it for detail.
+  bool uneven = false;
 };
 
-/** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
+/** \brief Measures noise by NoiseEstimator::kCubicResidual. \return an empty level for stores of
+ * fewer than 12 points. */
 PCL_SLIM_EXPORT NoiseLevel measureNoise(const PointStore& store, const NoiseConstants& constants,
                                         int threads);
 
-/** \brief Recognises noise that neighbours share, which measureNoise() takes along as if it were
- * the surface's. \param[in] white result of measureNoise(). \return white itself where noise is
- * white or cannot be distinguished from detail, else variance, patches and number of sharing
- * neighbours of the noise as a whole. O(places k) to the k that shows it all. */
+/** \brief Measures noise that neighbours share. measureNoise() sees only the part of it that
+ * differs from point to point.
+ * \param[in] white result of measureNoise()
+ * \return white itself where the noise is white or cannot be separated from detail; else variance,
+ * patches and correlation of all noise. O(places k) for the widest patch's k. */
 PCL_SLIM_EXPORT NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                                                 const NoiseConstants& constants, int threads);
 
-/** \brief The same of a cloud that is merged from frames, by the largest of these: points of two
- * frames share no error. A frame is the points of one number or, where they are not numbered, of
- * one sensor position. recognizeSharedNoise() of a cloud whose points have neither, and of one
- * whose frames have white noise. */
+/** \brief Measures shared noise of a cloud that is merged from frames, in the largest frames one
+ * by one, because points of two frames share no error. A frame is the points of one frame number
+ * or, without numbers, of one sensor position. Calls recognizeSharedNoise() for a cloud without
+ * either, and for one whose frames have white noise. */
 PCL_SLIM_EXPORT NoiseLevel recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
                                                const NoiseConstants& constants, int threads);
 
-/** \brief The noise that a given number of points share, on patches wide enough to show all of it.
- */
+/** \brief Measures noise of a given correlation, on patches wide enough to show all of it. */
 PCL_SLIM_EXPORT NoiseLevel measureSharedNoise(const PointStore& store, double correlation,
                                               const NoiseConstants& constants, int threads);
 
-/** \brief Rounding in one direction. */
+/** \brief Rounding of the points along one direction. */
 struct StepNoise {
-  double step = 0;            ///< median, local length; 0: none was found
-  std::size_t neighbors = 0;  ///< points of the patches that show all of it
+  double step = 0;            ///< median step [local length]; 0: none was found
+  std::size_t neighbors = 0;  ///< points of a patch that is wide enough to show all of it
 };
 
-/** \brief The direction in which points are rounded so coarsely that the noise is mostly rounding,
- * as sensors that quantise depth make it; the cloud may be turned. O(n log n) for clouds with few
- * levels, of 8192 points for others. */
+/** \brief Finds rounding so coarse that most of the noise is rounding, as in the depth of some
+ * sensors. The cloud may have any orientation. O(n log n) for clouds on few levels; other clouds
+ * are rejected after 100 places. */
 PCL_SLIM_EXPORT StepNoise measureSteps(const PointStore& store, const NoiseConstants& constants,
                                        int threads);
 
-/** \brief NoiseEstimator::kMinEigenvalue10. Nothing for stores of fewer than 12 points. */
+/** \brief Measures noise by NoiseEstimator::kMinEigenvalue10. \return an empty level for stores
+ * of fewer than 12 points. */
 PCL_SLIM_EXPORT NoiseLevel measurePaperNoise(const PointStore& store,
                                              const NoiseConstants& constants, int threads);
 
-/** \brief noiseProfile() over patches of a level's size. Empty where that is 0. */
+/** \brief noiseProfile() over patches of a level's size. \return empty for a size of 0. */
 PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
                                                        const NoiseLevel& level,
                                                        const NoiseConstants& constants,
                                                        int threads);
 
-/** \brief The profile for uneven noise: ratios above 1 where the noise is more than the level's, 1
- * elsewhere and where the excess grows with the patch as detail does. */
+/** \brief The profile for uneven noise. \return ratios above 1 where the noise exceeds the
+ * level's; 1 elsewhere, and where the excess grows with the patch as detail does. */
 PCL_SLIM_EXPORT std::vector<float> measureRaisedProfile(const PointStore& store,
                                                         const NoiseLevel& level,
                                                         const NoiseConstants& constants,
                                                         int threads);
 
-/** \brief RMS error along the ray from a sensor, a + b z + c z^2 at distance z; local lengths. */
+/** \brief RMS error along the ray from a sensor: a + b z + c z^2 at distance z [local length]. */
 struct RangeError {
   Vector3 sensor{};
-  bool own_sensors = false;  ///< each point's, as the store has them
+  bool own_sensors = false;  ///< use the sensor that the store has for each point
   double a = 0, b = 0, c = 0;
 };
 
-/** \brief Noise variances across the surface, squared local lengths, of runs of points along the
- * Morton curve: a range error's share along the normals of small patches. */
+/** \brief Noise variance across the surface that a range error causes: its component along the
+ * normals of small patches. \return one variance [squared local length] for each run of points
+ * along the Morton curve. */
 PCL_SLIM_EXPORT std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
                                                  const NoiseConstants& constants, int threads);
 
-/** \brief The normal bound: the cosine up to which two normals of a store count as those of
- * different sheets.
+/** \brief The normal bound: the largest cosine of two normals that count as normals of different
+ * sheets.
  *
- * Exact normals part sheets that turn by more than 104 degrees: -0.25, so that faces at right
- * angles are one rounded surface. Three deviations of the normals' own errors may go below it, so
- * that a ball that bends keeps the points whose normals happen to be worst; never below -0.6. Sides
- * that were found, not given, part at right angles. Errors are the median angle between normals and
- * the mean over their block, so edges and curvature of most of the surface matter little. O(1000
- * blocks).
+ * 1. Exact normals: -0.25, a turn of 104 degrees, so that faces at right angles are one rounded
+ *    surface.
+ * 2. Noisy normals: lower by three standard deviations of their errors, to -0.6 at least, so that a
+ *    ball on a bent surface keeps the points with the worst normals.
+ * 3. Sides that were found instead of given: 0 in place of -0.25.
+ *
+ * Errors are measured by the median angle between normals and the mean of their block, which edges
+ * and curvature of less than half of the surface do not change. O(1000 blocks).
  */
 PCL_SLIM_EXPORT float normalBound(const PointStore& store,
                                   const NormalBoundConstants& constants = {});
