@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": which cells agree, and signs of their normals that meet
-// most of it.
+// The graph of cells and the signs of their normals (docs/theory.md, "Sides before the cover").
 #include "sides/side_cells.h"
 
 #include <algorithm>
@@ -13,27 +12,28 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kReach = 8;  ///< cells along the normal in which another sheet is looked for
-constexpr double kLeastCosine = 0.5;  ///< of normals that two sheets facing apart may have
+/// Greatest distance along the normal in which another sheet is sought [widths of a cell].
+constexpr int kReach = 8;
+constexpr double kLeastCosine = 0.5;  ///< least |cosine| of the normals of two parallel sheets
 
-/** The place of a cell in the list that another has edges to; 0 if it is not there. */
-std::size_t placeAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants) {
-  const std::size_t most = std::min(sheet.count, constants.edges + 1);
+/** The index of a cell in the list of cells that another has edges to; 0: it is not in the list. */
+std::size_t indexAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants) {
+  const std::size_t most = std::min(sheet.count, constants.edge_neighbors + 1);
   for (std::size_t k = 1; k < sheet.count; ++k) {
     if (sheet.cells[k] == cell) return k < most || sheet.isOther(k) ? k : 0;
   }
   return 0;
 }
 
-/** Edges to a cell's nearest cells, and to all of another sheet. Where both have one, the cell of
- * the lesser number adds the sum. */
+/** Adds edges to a cell's nearest cells, and to all of its cells on another sheet. If both cells of
+ * a pair have an edge to the other, the one of the lesser index adds the sum. */
 void addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
                   const SideConstants& constants, std::vector<SignedEdge>& edges) {
   for (std::size_t k = 1; k < sheet.count; ++k) {
     const bool apart = sheet.isOther(k);
-    if (k > constants.edges && !apart) continue;
+    if (k > constants.edge_neighbors && !apart) continue;
     const std::uint32_t other = sheet.cells[k];
-    const std::size_t back = placeAmong(sheets[other], cell, constants);
+    const std::size_t back = indexAmong(sheets[other], cell, constants);
     if (back > 0 && other < cell) continue;
     const double cosine = dot(sheet.normal, sheets[other].normal);
     double agreement = apart ? -cosine : cosine;
@@ -42,12 +42,12 @@ void addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<
   }
 }
 
-/** Edges to the nearest sheets that face a cell's own along its normal, on either side. */
+/** Adds edges to the nearest sheets parallel to a cell's own along its normal, on either side. */
 void addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellSheet>& sheets,
                     const SideConstants& constants, std::vector<SignedEdge>& edges) {
   const CellSheet& own = sheets[cell];
   const Vector3& from = cut.cells[cell].mean;
-  const double apart_sq = constants.apart * constants.apart;
+  const double apart_sq = constants.sheet_distance * constants.sheet_distance;
   for (const double way : {1.0, -1.0}) {
     for (int step = 1; step <= kReach; ++step) {
       const std::uint32_t other = cut.cellAt(along(from, way * step * cut.width, own.normal));
@@ -95,11 +95,11 @@ CellGraph graphOf(const SideCells& cut, const SideConstants& constants, int thre
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kFew = 32;    ///< edges of a node
-constexpr double kStep = 0.5;       ///< from one threshold of agreements to the next
-constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less counts as none
+constexpr std::size_t kFewEdges = 32;    ///< most edges of a node that insertion sort is used for
+constexpr double kThresholdRatio = 0.5;  ///< ratio of one threshold of agreements to the last
+constexpr double kLeastAgreement = 0x1p-20;  ///< a weaker agreement is none [strongest agreement]
 
-/** Two components, and how much they agree. */
+/** Edge between two components. */
 struct Edge {
   std::uint32_t a, b;
   double agreement;
@@ -119,13 +119,14 @@ class Contraction {
 
   void run() {
     double threshold = strongest();
-    const double least = kLeast * threshold;
+    const double least = kLeastAgreement * threshold;
     while (!edges_.empty() && threshold > least) {
-      if (!joinAbove(kStep * threshold)) threshold = std::min(kStep * threshold, strongest());
+      if (!joinAbove(kThresholdRatio * threshold))
+        threshold = std::min(kThresholdRatio * threshold, strongest());
     }
   }
 
-  /** The root of a node; sign relative to it. Shortens the path. */
+  /** The root of a node. Compresses the path. \param[out] sign of the node relative to the root */
   std::uint32_t root(std::uint32_t i, int& sign) {
     sign = 1;
     std::uint32_t r = i;
@@ -148,14 +149,15 @@ class Contraction {
     return most;
   }
 
-  /** Whether edge e is stronger than the best one of a node so far; ties go to the first. */
+  /** Makes edge e the best one of a node if it is stronger than all before; ties go to the first.
+   */
   void offer(std::uint32_t node, std::uint32_t e) {
     std::uint32_t& best = best_[node];
     if (best == kNone || std::abs(edges_[e].agreement) > std::abs(edges_[best].agreement)) best = e;
   }
 
-  /** Joins every component with its strongest neighbour, where their agreement is no less than a
-   * threshold. \return whether any were. */
+  /** Joins every component with its strongest neighbour if their agreement reaches a threshold.
+   * \return whether any were joined */
   bool joinAbove(double threshold) {
     chosen_.clear();
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
@@ -184,7 +186,7 @@ class Contraction {
     return true;
   }
 
-  /** Moves edges to the roots of their ends and drops those within a component. */
+  /** Moves edges to the roots of their ends, and drops edges within a component. */
   void contract() {
     std::size_t kept = 0;
     for (const Edge& e : edges_) {
@@ -196,7 +198,7 @@ class Contraction {
     sumParallel();
   }
 
-  /** Adds up edges between the same two components. */
+  /** Replaces edges between the same two components by their sum. */
   void sumParallel() {
     for (Edge& e : edges_) {
       if (e.a > e.b) std::swap(e.a, e.b);
@@ -214,12 +216,13 @@ class Contraction {
     edges_.resize(kept);
   }
 
-  /** Sorts edges by both ends, stably: by counts of the first end, of which each has few edges. */
+  /** Sorts edges by both ends, stably: a counting sort by the first end, then each node's few
+   * edges. */
   void sortByEnds() {
     const auto before = [](const Edge& x, const Edge& y) {
       return x.a != y.a ? x.a < y.a : x.b < y.b;
     };
-    if (kFew * edges_.size() < parent_.size()) {
+    if (kFewEdges * edges_.size() < parent_.size()) {
       std::stable_sort(edges_.begin(), edges_.end(), before);
       return;
     }
@@ -229,15 +232,15 @@ class Contraction {
     sorted_.resize(edges_.size());
     for (const Edge& e : edges_) sorted_[next_[e.a]++] = e;
     edges_.swap(sorted_);
-    // Now each place in next_ is the end of its node's edges.
+    // Now next_ has the end of each node's edges.
     for (std::size_t i = 0, begin = 0; i + 1 < next_.size(); begin = next_[i++])
       sortFew(begin, next_[i], before);
   }
 
-  /** Sorts stably; most nodes have so few edges that moving them is quickest. */
+  /** Sorts a range of edges stably. Insertion sort is fastest for the few edges of most nodes. */
   template <typename Before>
   void sortFew(std::size_t begin, std::size_t end, const Before& before) {
-    if (end - begin > kFew) {
+    if (end - begin > kFewEdges) {
       std::stable_sort(edges_.begin() + begin, edges_.begin() + end, before);
       return;
     }
@@ -251,9 +254,9 @@ class Contraction {
 
   std::vector<std::uint32_t> parent_;
   std::vector<signed char> sign_;
-  std::vector<std::uint32_t> best_;  ///< edge, for each root
+  std::vector<std::uint32_t> best_;  ///< strongest edge of each root
   std::vector<Edge> edges_, sorted_;
-  std::vector<std::size_t> next_;  ///< where the next edge of each first end goes
+  std::vector<std::size_t> next_;  ///< where the next edge of each first node goes
   std::vector<std::uint32_t> chosen_;
 };
 

@@ -17,7 +17,7 @@ HWY_INLINE double sumOf(Wide v) {
   return GetLane(SumOfLanes(Doubles(), v));
 }
 
-/** The lanes whose bits are set, of those of a group's first cell and on. */
+/** Mask of a group's lanes whose bits are set. \param[in] first bit of the group */
 HWY_INLINE hn::Mask<Doubles> maskOf(std::uint64_t cells, std::size_t first) {
   const std::uint8_t bits[8] = {static_cast<std::uint8_t>(cells >> first)};
   return hn::LoadMaskBits(Doubles(), bits);
@@ -47,14 +47,14 @@ CellSums sumCells(const NearCells& near, std::uint64_t chosen) {
   return result;
 }
 
-TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
-                    double mean, int passes) {
+TwoSheets separateCells(const NearCells& near, std::size_t count,
+                        const std::array<double, 3>& normal, double mean, int passes) {
   const Doubles d;
   const auto x = Set(d, normal[0]), y = Set(d, normal[1]), z = Set(d, normal[2]);
   const auto& columns = near.columns;
   const auto at = [&](std::size_t c, std::size_t k)
                       HWY_ATTR { return Load(d, columns[c].data() + k); };
-  HWY_ALIGN std::array<double, NearCells::kRoom> heights;
+  HWY_ALIGN std::array<double, NearCells::kCapacity> heights;
   Wide squares = Zero(d), points = Zero(d);
   for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
     const auto height =
@@ -62,7 +62,7 @@ TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<d
     const auto along_x = MulAdd(x, at(4, k), (y + y) * at(5, k)) + (z + z) * at(6, k);
     const auto along_y = MulAdd(y, at(7, k), (z + z) * at(8, k));
     const auto variance = MulAdd(x, along_x, MulAdd(y, along_y, z * z * at(9, k)));
-    // The columns' numbers of points are 0 beyond the last cell, but not beyond the first ones.
+    // Columns are 0 beyond the last cell, but the first `count` cells may end before it.
     const auto number = IfThenElseZero(FirstN(d, HWY_MIN(hn::Lanes(d), count - k)), at(0, k));
     points += number;
     squares = MulAdd(number, MulAdd(height, height, variance), squares);
@@ -108,10 +108,10 @@ CellSums sumCells(const NearCells& near, std::uint64_t chosen) {
   return HWY_DYNAMIC_DISPATCH(sumCells)(near, chosen);
 }
 
-HWY_EXPORT(partCells);
-TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
-                    double mean, int passes) {
-  return HWY_DYNAMIC_DISPATCH(partCells)(near, count, normal, mean, passes);
+HWY_EXPORT(separateCells);
+TwoSheets separateCells(const NearCells& near, std::size_t count,
+                        const std::array<double, 3>& normal, double mean, int passes) {
+  return HWY_DYNAMIC_DISPATCH(separateCells)(near, count, normal, mean, passes);
 }
 
 }  // namespace pcl_slim::detail::kernels

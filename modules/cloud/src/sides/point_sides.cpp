@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal
-// of its neighbours there; and onto the plane of these.
+// Sides of single points by their nearest points, and points on local planes (docs/theory.md,
+// "Sides before the cover", "Points" and "Feet").
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -17,7 +17,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
+/// Factor of the last point's squared search radius that probably suffices for the next point.
+constexpr float kRadiusMargin = 1.4f;
 
 using Normal = std::array<float, 3>;
 using Normals = std::vector<Normal>;
@@ -26,7 +27,7 @@ Eigen::Vector3f normalAt(const Normals& normals, std::size_t i) {
   return {normals[i][0], normals[i][1], normals[i][2]};
 }
 
-/** Sums of a plane of least squares: heights over two coordinates about a point. */
+/** Sums for a least-squares plane of heights over two coordinates, relative to a point. */
 class PlaneSums {
  public:
   static constexpr std::size_t kCoefficients = 3;
@@ -40,14 +41,14 @@ class PlaneSums {
   }
 
   std::size_t count() const { return count_; }
-  /** Whether there are enough points for a plane. */
+  /** Whether there are twice as many points as coefficients. */
   bool determined() const { return count_ >= 2 * kCoefficients; }
 
-  /** \return height at the point, and slopes */
+  /** The plane. \return its height at the point, and its two slopes */
   Eigen::Vector3d plane() const { return products_.ldlt().solve(right_); }
 
   /** Sum of the squared residuals from the plane. */
-  double rest(const Eigen::Vector3d& plane) const {
+  double squaredResiduals(const Eigen::Vector3d& plane) const {
     return std::max(0.0, squares_ - plane.dot(right_));
   }
 
@@ -58,7 +59,7 @@ class PlaneSums {
   std::size_t count_ = 0;
 };
 
-/** Axes to count a point's heights and places by: its normal, and two across. */
+/** A right-handed frame whose first axis is a normal. */
 Eigen::Matrix3d axesOf(const Eigen::Vector3f& own) {
   const Eigen::Vector3d normal = own.cast<double>(), u = normal.unitOrthogonal();
   Eigen::Matrix3d axes;
@@ -66,21 +67,22 @@ Eigen::Matrix3d axesOf(const Eigen::Vector3f& own) {
   return axes;
 }
 
-/** Decides about one point after another. One per thread. */
+/** Decides which sheet a point is on, one point at a time. Each thread has one. */
 class SheetChoice {
  public:
   SheetChoice(const PointStore& store, const SideConstants& constants)
       : store_(store), constants_(constants), search_(store) {}
 
-  /** The nearest points of a stored point, itself among them. */
+  /** The nearest points of a stored point, itself included.
+   * \param[in] factor of SideConstants::settled_points */
   const std::vector<std::uint32_t>& nearest(std::size_t point, std::size_t factor = 1) {
     const std::size_t count = factor * constants_.settled_points;
-    const float about = kMargin * static_cast<float>(count) * reach_sq_;
+    const float about = kRadiusMargin * static_cast<float>(count) * reach_sq_;
     reach_sq_ = search_.nearestSet(point, count, near_, about) / static_cast<float>(count);
     return near_;
   }
 
-  /** Whether some of a block's points are near others that face the other way. */
+  /** Whether one of two points of a block is near points that face the other way. */
   bool facesOthers(const Normals& normals, std::size_t block) {
     constexpr std::size_t kProbes[] = {PointStore::kBlock / 4, 3 * PointStore::kBlock / 4};
     for (const std::size_t probe : kProbes) {
@@ -93,18 +95,18 @@ class SheetChoice {
     return false;
   }
 
-  /** A point's normal, on the sheet that the point is on. */
+  /** The normal of a point on the sheet that the point is on. */
   Eigen::Vector3f settled(const Normals& normals, std::size_t point) {
     nearest(point);
     const Eigen::Vector3f own = straightened(normals, point);
     return isOnOther(normals, point, own) ? Eigen::Vector3f(-own) : own;
   }
 
-  /** The normal of the plane of those of a point's neighbours that face as it does. */
+  /** The normal of the plane through the neighbours that face as the point does. */
   Eigen::Vector3f planeNormal(const Normals& normals, std::size_t point) {
     nearest(point);
     Eigen::Vector3f own = normalAt(normals, point);
-    part(normals, point, own);
+    sortByFacing(normals, point, own);
     const PlaneSums same = sumsOf(point, same_, own);
     if (!same.determined()) return own;
     const Eigen::Vector3d plane = same.plane(), normal(1, -plane[1], -plane[2]);
@@ -112,9 +114,8 @@ class SheetChoice {
   }
 
  private:
-  /** A point's normal or, where it is across those of its neighbours, and these have a direction in
-   * common, that one: cells that contain a bit of another sheet, or few points, have normals of
-   * their own. */
+  /** A point's normal; the common direction of its neighbours' normals if they have one and the
+   * point's differs from it. Cells of few points or of two sheets have arbitrary normals. */
   Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const {
     Eigen::Vector3f own = normalAt(normals, point);
     Eigen::Matrix3f products = Eigen::Matrix3f::Zero();
@@ -123,16 +124,17 @@ class SheetChoice {
       products += n * n.transpose();
     }
     const float all = products.trace();
-    if (own.dot(products * own) > static_cast<float>(constants_.across) * all) return own;
+    if (own.dot(products * own) > static_cast<float>(constants_.least_alignment) * all) return own;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
     axes.computeDirect(products);
-    if (!(axes.eigenvalues()[2] > static_cast<float>(constants_.common) * all)) return own;
+    if (!(axes.eigenvalues()[2] > static_cast<float>(constants_.common_direction) * all))
+      return own;
     const Eigen::Vector3f common = axes.eigenvectors().col(2);
     return own.dot(common) < 0 ? Eigen::Vector3f(-common) : common;
   }
 
-  /** Sorts a point's neighbours by whether they face as a normal does. */
-  void part(const Normals& normals, std::size_t point, const Eigen::Vector3f& own) {
+  /** Sorts a point's neighbours into those that face as a normal does and the others. */
+  void sortByFacing(const Normals& normals, std::size_t point, const Eigen::Vector3f& own) {
     same_.clear();
     others_.clear();
     for (const std::uint32_t j : near_) {
@@ -142,9 +144,10 @@ class SheetChoice {
     }
   }
 
-  /** Whether a point is on the sheet of those neighbours that face the other way. */
+  /** Whether a point is on the sheet of the neighbours that face the other way: their plane is
+   * nearer than that of the others by more than the residuals explain. */
   bool isOnOther(const Normals& normals, std::size_t point, const Eigen::Vector3f& own) {
-    part(normals, point, own);
+    sortByFacing(normals, point, own);
     const PlaneSums other = sumsOf(point, others_, own);
     if (!other.determined()) return false;
     const PlaneSums same = sumsOf(point, same_, own);
@@ -153,10 +156,10 @@ class SheetChoice {
     const auto freedom =
         static_cast<double>(same.count() + other.count() - 2 * PlaneSums::kCoefficients);
     return here[0] * here[0] - there[0] * there[0] >
-           (same.rest(here) + other.rest(there)) / freedom;
+           (same.squaredResiduals(here) + other.squaredResiduals(there)) / freedom;
   }
 
-  /** Sums over some points, of heights along a normal. */
+  /** Plane sums of some points, with heights along a normal. */
   PlaneSums sumsOf(std::size_t point, const std::vector<std::uint32_t>& points,
                    const Eigen::Vector3f& own) const {
     const Eigen::Matrix3d axes = axesOf(own);
@@ -174,10 +177,10 @@ class SheetChoice {
   const SideConstants& constants_;
   NeighborSearch search_;
   std::vector<std::uint32_t> near_, same_, others_;
-  float reach_sq_ = 0;  ///< squared, over the number of points
+  float reach_sq_ = 0;  ///< squared radius of the last search over its number of points
 };
 
-/** The points of blocks that are near points which face the other way. */
+/** The points of blocks near points that face the other way, without those on rods. */
 std::vector<std::uint32_t> pointsFacingOthers(const PointStore& store,
                                               const std::vector<char>& on_rods,
                                               const Normals& normals,
@@ -194,7 +197,7 @@ std::vector<std::uint32_t> pointsFacingOthers(const PointStore& store,
   return points;
 }
 
-/** The points and their neighbours, once each. */
+/** The points and their neighbours, once each, without those on rods. */
 std::vector<std::uint32_t> withNeighbors(const std::vector<std::uint32_t>& points,
                                          const std::vector<char>& on_rods, std::size_t count,
                                          SheetChoice& choice) {
@@ -210,7 +213,7 @@ std::vector<std::uint32_t> withNeighbors(const std::vector<std::uint32_t>& point
   return all;
 }
 
-/** What some points' normals become, each by one thread; points without a side get none. */
+/** Computes new normals of some points in parallel. Points without a side get none. */
 template <class NormalOf>
 Normals normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
                   std::vector<SheetChoice>& choices, const NormalOf& normalOf) {
@@ -264,7 +267,7 @@ std::vector<std::array<double, 3>> feetOnLocalPlanes(const PointStore& store, st
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
   parallelFor(store.size(), threads, 256, [&](std::size_t i, int thread) {
     thread_local Patch patch;
-    // The next point's patch is about as wide as the last one's.
+    // The patch is about as wide as that of the last point.
     patchAbout(store, searches[static_cast<std::size_t>(thread)], i, k, patch,
                probableSquare(patch.radius, 1));
     const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);

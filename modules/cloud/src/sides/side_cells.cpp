@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": cells of points, and the sheet through each.
+// Cells of points, and the sheet through each (docs/theory.md, "Sides before the cover").
 #include "sides/side_cells.h"
 
 #include <Eigen/Eigenvalues>
@@ -15,10 +15,10 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kTask = 4096;  ///< points a thread takes at a time
-constexpr std::int64_t kLast = (1 << kMortonBits) - 1;
+constexpr std::size_t kTask = 4096;  ///< number of points that a thread takes at a time
+constexpr std::int64_t kLast = (1 << kMortonBits) - 1;  ///< last index of a cube along an axis
 
-using Place = std::array<std::int64_t, 3>;  ///< of a cell along each axis
+using Place = std::array<std::int64_t, 3>;  ///< indices of a cube along the axes
 
 Place placeOf(const Vector3& p, double width) {
   Place place;
@@ -41,7 +41,7 @@ std::size_t hashOf(std::uint64_t code) {
   return static_cast<std::size_t>(code ^ code >> 32);
 }
 
-/** The cubes of a brick whose place along an axis is in [first, last], a bit each. */
+/** The cubes of a brick whose index along an axis is in [first, last], one bit each. */
 std::uint64_t cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last) {
   // Bits of a code within a brick: x1 y1 z1 x0 y0 z0.
   constexpr std::uint64_t kHigh[3] = {0xffffffff00000000u, 0xffff0000ffff0000u,
@@ -54,7 +54,7 @@ std::uint64_t cubesWithin(std::size_t axis, std::int64_t first, std::int64_t las
   return cubes;
 }
 
-/** How many bits are set: sums of pairs, of fours, and of all bytes at once. */
+/** Number of bits that are set: sums over pairs, over fours, and over all bytes at once. */
 std::uint32_t countBits(std::uint64_t bits) {
   bits -= bits >> 1 & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
@@ -142,8 +142,8 @@ std::size_t SideCells::cellsAbout(std::uint32_t cell,
                                   std::array<std::uint32_t, kWindow>& found) const {
   constexpr std::int64_t kReach = 2;
   const Place middle = placeOf(cells[cell].mean, width);
-  Place first;                 // brick
-  std::uint64_t within[3][2];  // cubes of the first and the next brick along each axis
+  Place first;                 // first brick of the window
+  std::uint64_t within[3][2];  // cubes of the first and the next brick, along each axis
   for (std::size_t a = 0; a < 3; ++a) {
     first[a] = std::max<std::int64_t>(middle[a] - kReach, 0) / 4;
     for (std::int64_t next = 0; next < 2; ++next) {
@@ -166,7 +166,7 @@ std::size_t SideCells::cellsAbout(std::uint32_t cell,
 namespace {
 
 constexpr std::size_t kMost = SideConstants::kMostNeighbors;
-/// Cells whose moments give a cell's normal: the flattest of these neighbourhoods does.
+/// Sizes of the neighbourhoods of a cell [cells]. The flattest one gives the normal.
 constexpr std::array<std::size_t, 3> kNeighborhoods = {12, 18, 36};
 
 /** The bits of the first cells. */
@@ -181,7 +181,7 @@ Vector3 meanOf(const CellSums& sums) {
 /** Principal axes of sums over points. */
 struct Axes {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  double scale = 0;  ///< of its spreads
+  double scale = 0;  ///< factor of the eigenvalues: the trace of the covariance
 
   Axes() = default;
   explicit Axes(const CellSums& sums) {
@@ -194,11 +194,12 @@ struct Axes {
     solver.computeDirect(covariance / scale);
   }
 
-  /** Along the direction of the least spread first. */
+  /** Variances along the axes, ascending, in units of scale. */
   Eigen::Vector3d spreads() const { return solver.eigenvalues().cwiseMax(0.0); }
 };
 
-/** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
+/** Sets a sheet's normal and spread. \return the spread over the lesser variance across the normal
+ */
 double setNormal(const Axes& axes, CellSheet& sheet) {
   const Eigen::Vector3d n = axes.solver.eigenvectors().col(0), spreads = axes.spreads();
   const bool usable = n.allFinite() && n.squaredNorm() > 0.5;
@@ -215,8 +216,8 @@ double varianceAlong(const CellSums& sums, const Vector3& n) {
   return square / sums[0] - mean * mean;
 }
 
-/** Whether one sheet is above the other, and not next to each other as the faces of an edge are:
- * their middles are no farther apart across the normal than each is wide. */
+/** Whether two sheets are above each other, unlike the two faces of an edge: across the normal, the
+ * distance of their means is below their RMS width. */
 bool overlap(const std::array<CellSums, 2>& sides, const Vector3& normal) {
   const Vector3 between = subtract(meanOf(sides[1]), meanOf(sides[0]));
   const Vector3 across = along(between, -dot(between, normal), normal);
@@ -224,24 +225,25 @@ bool overlap(const std::array<CellSums, 2>& sides, const Vector3& normal) {
   return dot(across, across) < 0.5 * (varianceAlong(sides[0], n) + varianceAlong(sides[1], n));
 }
 
-/** Marks the cells of another sheet, if two are apart along the normal. \param[out] sides sums over
- * the cell's own sheet and over the other */
+/** Marks the cells of another sheet, if there are two along the normal.
+ * \param[out] sides sums over the cell's own sheet and over the other */
 void findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
                CellSheet& sheet, std::array<CellSums, 2>& sides) {
   const double total = all[0], mean = dot(meanOf(all), sheet.normal);
-  const TwoSheets two = kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
+  const TwoSheets two =
+      kernels::separateCells(near, sheet.count, sheet.normal, mean, constants.passes);
   const double between = two.above * (total - two.above) / total * two.gap * two.gap;
   const double within = std::max(0.0, two.square - between) / total;
   const double least = constants.least_side * total;
   if (!(two.above > least && total - two.above > least)) return;
-  if (!(two.gap * two.gap > constants.apart * constants.apart * within)) return;
+  if (!(two.gap * two.gap > constants.sheet_distance * constants.sheet_distance * within)) return;
   const std::uint64_t cells = firstCells(sheet.count);
   sheet.other = two.higher & 1 ? cells & ~two.higher : two.higher;
   sides = {kernels::sumCells(near, cells & ~sheet.other), kernels::sumCells(near, sheet.other)};
   if (!overlap(sides, sheet.normal)) sheet.other = 0;
 }
 
-/** A cell in a window, with its squared distance in front to sort by. */
+/** A cell in a window, and the squared distance that it is sorted by. */
 struct Distant {
   float square;
   std::uint32_t cell;
@@ -251,9 +253,9 @@ struct Distant {
   }
 };
 
-/** Puts the nearest first and in order: first by steps of their squared distance, of which few have
- * more than one cell. \return how many there are in order, no fewer than wanted if there are as
- * many */
+/** Sorts the nearest cells by distance: a counting sort by steps of the squared distance, of which
+ * few have more than one cell, then an insertion sort.
+ * \return the number of cells sorted, at least min(wanted, count) */
 std::size_t sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t count,
                         double width, std::size_t wanted,
                         std::array<Distant, SideCells::kWindow>& sorted) {
@@ -283,7 +285,7 @@ std::size_t sortNearest(const std::array<Distant, SideCells::kWindow>& found, st
   return kept;
 }
 
-/** Finds the nearest cells by their means, the cell itself first. \return how many */
+/** Finds the cells of the nearest means, the cell itself first. \return their number */
 std::size_t nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
                          std::array<std::uint32_t, kMost>& cells, NearCells& near) {
   std::array<std::uint32_t, SideCells::kWindow> window;
@@ -306,15 +308,15 @@ std::size_t nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t w
   return kept;
 }
 
-/** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface
- * is far flatter, in proportion, than other sheets: planes do not part the sides of a rod that is
- * not much wider than a cell. */
+/** Tests whether the cells are a rod whose surface is far flatter, in proportion, than their
+ * flattest plane. Planes do not separate the sides of a rod that is hardly wider than a cell.
+ * \return the sheet around the rod's axis, with radial normals; `flat` if there is no rod */
 CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
                 double flattest, const SideConstants& constants, const CellSheet& flat) {
-  constexpr double kFlatter = 0.5;
+  constexpr double kFlatnessRatio = 0.5;  // largest ratio of the flatness of a rod and of the plane
   const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
   const bool round =
-      spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
+      spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.round_rod * spreads[1];
   if (!round) return flat;
   CellSheet rod = flat;
   rod.count = count;
@@ -332,7 +334,7 @@ CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, 
   }
   rod.radius = radii[0];
   rod.spread = std::max(0.0, second - first * first);
-  if (!(length(rod.radius) > 0 && rod.spread < kFlatter * flattest * axes.scale * spreads[0]))
+  if (!(length(rod.radius) > 0 && rod.spread < kFlatnessRatio * flattest * axes.scale * spreads[0]))
     return flat;
   rod.normal = normalized(rod.radius);
   rod.middle = -length(rod.radius);
@@ -352,7 +354,7 @@ CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants&
       nearestCells(cut, cell, std::min(kNeighborhoods.back(), kMost), best.cells, near);
   double flattest = std::numeric_limits<double>::infinity();
   CellSums sums{};
-  Axes axes;  // of all that are summed
+  Axes axes;  // of all cells summed so far
   std::size_t summed = 0;
   for (const std::size_t size : kNeighborhoods) {
     CellSheet sheet;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover".
+// Sides of points by the normals and signs of their cells (docs/theory.md, "Sides before the
+// cover").
 #include "pcl_slim/cloud/detail/sides.h"
 
 #include <algorithm>
@@ -16,18 +17,22 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kFlatFlux =
-    0.1;  ///< share of its bound below which a part's flux leaves no inside
+/// Least |flux| of a component that has an inside [its upper bound].
+constexpr double kLeastFlux = 0.1;
 
-/** Moments of a connected part of the cells. */
+/** Moments of a connected component of the cells. */
 struct Part {
-  double count = 0, flux = 0, reach = 0, thickness = 0;
-  Vector3 sum{}, normal{};
+  double count = 0;      ///< number of points
+  double flux = 0;       ///< sum over the points of (p - mean) . n
+  double reach = 0;      ///< upper bound of the flux: sum of |p - mean|
+  double thickness = 0;  ///< sum over the edges between sheets of the signed gap; < 0: they face
+  Vector3 sum{};         ///< sum of the points
+  Vector3 normal{};      ///< sum of the normals
 
-  /** Whether it faces its own middle; where it has none inside, whether its sheets face each other
-   * rather than apart; of a single sheet, whether its main side looks down. */
+  /** Whether the component must be turned: its flux is inward; without an inside, its sheets face
+   * each other; of a single sheet, the main component of the mean normal is negative. */
   bool turned() const {
-    if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+    if (std::abs(flux) > kLeastFlux * reach) return flux < 0;
     if (thickness != 0) return thickness < 0;
     const auto main = std::max_element(
         normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
@@ -35,7 +40,7 @@ struct Part {
   }
 };
 
-/** Turns every connected part of the cells outward. */
+/** Turns every connected component of the cells outward. */
 void turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found) {
   const std::size_t n = cut.cells.size();
   std::vector<Part> parts(n);
@@ -69,17 +74,17 @@ double beamCosine(const PointStore& store, std::size_t point, const Vector3& dir
   return range > 0 ? dot(ray, direction) / range : 0.0;
 }
 
-constexpr double kObliqueBeam =
-    0.7;  ///< cosine below which a point's side is between its cell's normal and its beam
+/// Least cosine of a normal and the point's beam from which the normal is not tilted.
+constexpr double kObliqueBeam = 0.7;
 
-/** A normal, tilted towards the point's beam where it is far from that: cells between two near
- * sheets have normals along these, but no side that is seen is turned away from its beam. */
+/** Tilts an oblique normal to the mean of itself and the beam. Cells between two near sheets have
+ * normals along the sheets, but the visible side of a surface faces its sensor. */
 Vector3 withBeam(const PointStore& store, std::size_t point, const Vector3& normal) {
   const Vector3 beam = normalized(subtract(store.sensor(point), store.position(point)));
   return dot(beam, normal) < kObliqueBeam ? normalized(along(normal, 1, beam)) : normal;
 }
 
-/** Signs of the cells' normals by the sensors of their points. */
+/** Signs of the cells' normals: each faces the sensors of its points on average. */
 std::vector<signed char> signsBySensors(const PointStore& store, const SideCells& cut,
                                         const CellGraph& graph) {
   std::vector<double> votes(cut.cells.size(), 0.0);
@@ -93,10 +98,11 @@ std::vector<signed char> signsBySensors(const PointStore& store, const SideCells
   return signs;
 }
 
-constexpr double kAgree = 0.5;  ///< length of the mean of unit normals from which cells agree
+/// Least length of the mean of unit normals that agree.
+constexpr double kAgreeingMean = 0.5;
 
-/** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a
- * few stray points have normals of their own. */
+/** Signed normals of the cells. Each is the mean over the near cells on its sheet if these agree,
+ * because the normals of cells of few points are arbitrary. */
 std::vector<Vector3> smoothedNormals(const SideCells& cut, const CellGraph& graph,
                                      const std::vector<signed char>& signs,
                                      const SideConstants& constants, int threads) {
@@ -105,19 +111,19 @@ std::vector<Vector3> smoothedNormals(const SideCells& cut, const CellGraph& grap
     const CellSheet& sheet = graph.sheets[c];
     Vector3 sum{};
     double count = 0;
-    for (std::size_t k = 0; k < std::min(sheet.count, constants.edges + 1); ++k) {
+    for (std::size_t k = 0; k < std::min(sheet.count, constants.edge_neighbors + 1); ++k) {
       if (sheet.isOther(k)) continue;
       const std::uint32_t near = sheet.cells[k];
       sum = along(sum, signs[near] * cut.cells[near].count, graph.sheets[near].normal);
       count += cut.cells[near].count;
     }
-    const bool agree = length(sum) > kAgree * count;
+    const bool agree = length(sum) > kAgreeingMean * count;
     normals[c] = agree ? normalized(sum) : scaled(sheet.normal, signs[c]);
   });
   return normals;
 }
 
-/** Share of the agreement of near cells that signs meet; 1: all. */
+/** Confidence of signs: share of the agreement of near cells that they satisfy; 1: all. */
 double agreementOf(const CellGraph& graph, const std::vector<signed char>& signs) {
   double agreed = 0, all = 0;
   for (const SignedEdge& e : graph.edges) {
@@ -127,14 +133,14 @@ double agreementOf(const CellGraph& graph, const std::vector<signed char>& signs
   return all > 0 ? agreed / all : 0;
 }
 
-/** Whether an edge joins two sheets that face apart. */
+/** Whether an edge connects two sheets whose signed normals are opposite. */
 bool facesApart(const SignedEdge& e, const CellGraph& graph,
                 const std::vector<signed char>& signs) {
   const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
   return e.apart && signs[e.a] * signs[e.b] * cosine < 0;
 }
 
-/** Marks the cells next to another sheet that faces the other way. */
+/** Marks the cells with an edge to another sheet that faces the other way. */
 std::vector<char> cellsFacingApart(const SideCells& cut, const CellGraph& graph,
                                    const std::vector<signed char>& signs) {
   std::vector<char> faces(cut.cells.size(), 0);
@@ -156,10 +162,10 @@ double medianGap(const SideCells& cut, const CellGraph& graph,
   return gaps.empty() ? HUGE_VAL : median(gaps);
 }
 
-constexpr int kRings =
-    2;  ///< steps from cells near another sheet to those that get sides with them
+/// Number of steps from a cell near another sheet to the cells that get sides with it.
+constexpr int kRings = 2;
 
-/** The edges between cells that are near another sheet, or near such cells. */
+/** The edges between cells within kRings steps of another sheet. */
 std::vector<SignedEdge> edgesNearOtherSheets(const CellGraph& graph) {
   std::vector<char> near(graph.sheets.size(), 0);
   for (const SignedEdge& e : graph.edges) {
@@ -177,13 +183,14 @@ std::vector<SignedEdge> edgesNearOtherSheets(const CellGraph& graph) {
   return edges;
 }
 
-constexpr double kSureApart =
-    0.85;  ///< share of a part's edges between sheets that is met where it is sure ...
-constexpr double kLeastApart = 10;  ///< ... of no fewer edges than this
+/// Least share of the agreement across sheets that a component with certain sides satisfies.
+constexpr double kSureShare = 0.85;
+/// Least agreement across sheets of such a component: that of as many exactly opposite normals.
+constexpr double kLeastAgreement = 10;
 
-/** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and
- * layers of scans that do not fit each other show sheets as well, but these agree only by chance.
- * \param[out] share of the edges between sheets that are in such parts */
+/** Marks the cells of components with certain sides, whose sheets nearly all face apart. Scattered
+ * points and badly registered layers of scans have sheets, too, but these agree only by chance.
+ * \param[out] share of the agreement across sheets in such components */
 std::vector<char> cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
                                    double& share) {
   struct Apart {
@@ -198,7 +205,7 @@ std::vector<char> cellsOfSureParts(const SignedParts& found, const std::vector<S
   }
   std::vector<char> sure(parts.size());
   const auto isSure = [&](const Apart& part) {
-    return part.all >= kLeastApart && part.met >= kSureApart * part.all;
+    return part.all >= kLeastAgreement && part.met >= kSureShare * part.all;
   };
   double kept = 0, all = 0;
   for (const Apart& part : parts) {
@@ -210,9 +217,10 @@ std::vector<char> cellsOfSureParts(const SignedParts& found, const std::vector<S
   return sure;
 }
 
-/** Unit normals of the points, by those of their cells. \param[in] sided cells that give them; the
- * points of others get 0 \param[in] by_sensors whether a point's own beam overrules its cell
- * \param[out] thin share of the points that face apart from others behind them */
+/** Unit normals of the points, from those of their cells.
+ * \param[in] sided one byte for each cell; 0: its points get no side
+ * \param[in] by_sensors whether a point's own beam overrules the sign of its cell
+ * \param[out] thin share of the points in front of others that face apart */
 std::vector<std::array<float, 3>> normalsOfPoints(const PointStore& store, const SideCells& cut,
                                                   const CellGraph& graph,
                                                   const std::vector<signed char>& signs,
@@ -235,7 +243,7 @@ std::vector<std::array<float, 3>> normalsOfPoints(const PointStore& store, const
       const Vector3 offset = subtract(store.position(i), cut.cells[c].mean);
       const Vector3 normal = sheet.isRod() ? scaled(sheet.rodNormal(offset), signs[c]) : normals[c];
       bool turned = !sheet.isRod() && sheet.isBeyond(offset);
-      bool own = false;  // its own beam decides, not the cell
+      bool own = false;  // the point's beam overrules the cell
       if (by_sensors) {
         const double cosine = beamCosine(store, i, normal);
         own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
@@ -261,9 +269,8 @@ std::vector<char> pointsOnRods(const SideCells& cut, const CellGraph& graph) {
   return marks;
 }
 
-/** Signs of all cells, by the sensors of their points or, without these, such that every connected
- * part faces outward. \param[out] confidence the share of the agreement of near cells that they
- * meet */
+/** Signs of all cells: by the sensors of their points or, without sensors, by contraction, with
+ * every connected component turned outward. \param[out] confidence agreementOf() the signs */
 std::vector<signed char> signsOfAll(const PointStore& store, const SideCells& cut,
                                     const CellGraph& graph, double& confidence) {
   SignedParts found;
@@ -277,7 +284,7 @@ std::vector<signed char> signsOfAll(const PointStore& store, const SideCells& cu
   return std::move(found.signs);
 }
 
-/** Sides of the points near another sheet, and sides of all points. */
+/** Finds sides of the points near another sheet, and sides of all points. */
 void findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
                      const SideConstants& constants, int threads, Sides& sides) {
   std::vector<SignedEdge> near = edgesNearOtherSheets(graph);

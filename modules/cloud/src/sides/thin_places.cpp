@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": whether a cloud needs sides.
+// Whether a cloud needs sides (docs/theory.md, "Sides before the cover", "Whether").
 #include <algorithm>
 #include <cmath>
 
@@ -11,16 +11,17 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kPointsPerPlace = 1000;  ///< one place is looked at for this many points ...
-constexpr std::size_t kLeastPlaces = 64, kMostPlaces = 256;  ///< ... within these bounds
-constexpr std::size_t kPatch = 48;                           ///< points of its smallest patch ...
-constexpr std::size_t kWider = 4;                            ///< ... and the factor to the next
-constexpr std::size_t kPatchPoints =
-    384;  ///< points looked at in a patch; larger patches are sampled
-constexpr std::size_t kMostPatch =
-    12288;  ///< points of the widest patch: wider ones cost more than a fit
+constexpr std::size_t kPointsPerPlace = 1000;  ///< there is one place for this many points
+constexpr std::size_t kLeastPlaces = 64;       ///< least number of places
+constexpr std::size_t kMostPlaces = 256;       ///< largest number of places
+constexpr std::size_t kPatch = 48;         ///< number of points of the smallest patch of a place
+constexpr std::size_t kPatchFactor = 4;    ///< factor of this number to the next patch
+constexpr std::size_t kPatchPoints = 384;  ///< most points used of a patch, evenly strided
+/// Number of points of the widest patch. Wider ones would cost more than the fit.
+constexpr std::size_t kMostPatch = 12288;
 
-/** Whether one sheet is above the other, and not side by side as the faces of an edge are. */
+/** Whether two sheets are above each other, unlike the two faces of an edge: across the normal, the
+ * distance of their means is below their RMS width. */
 bool overlap(const Eigen::Matrix3Xd& local, double middle) {
   Eigen::Vector2d sum[2] = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   double count[2] = {0, 0};
@@ -40,12 +41,13 @@ bool overlap(const Eigen::Matrix3Xd& local, double middle) {
   return length_sq * length_sq < 0.5 * (squares[0] / count[0] + squares[1] / count[1]);
 }
 
-/** Two sheets in a patch; a gap of 0: there is one. */
+/** Two sheets in a patch. */
 struct SheetGap {
-  double gap = 0, within_sq = 0;  ///< distance of the two means, variance about them
+  double gap = 0;        ///< distance of their means; 0: there is one sheet
+  double within_sq = 0;  ///< variance about the means
 };
 
-/** Parts a patch by two-means on heights along its normal. */
+/** Separates a patch into two sheets by two-means on heights along its normal. */
 SheetGap gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants) {
   const Eigen::ArrayXd heights = local.row(0).transpose().array();
   const auto total = static_cast<double>(heights.size());
@@ -64,17 +66,18 @@ SheetGap gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants) {
   const double between = above * (total - above) / total * gap * gap;
   const double within = std::max(0.0, heights.square().sum() - between) / total;
   const bool two = std::min(above, total - above) > constants.least_side * total &&
-                   gap * gap > constants.apart * constants.apart * within && overlap(local, middle);
+                   gap * gap > constants.sheet_distance * constants.sheet_distance * within &&
+                   overlap(local, middle);
   return two ? SheetGap{gap, within} : SheetGap{};
 }
 
-/** Whether a patch's points are a rod, no wider across it than thick. */
+/** Whether a patch is a rod: long, and about as wide as thick. */
 bool formsRod(const Eigen::Vector3d& spreads, const SideConstants& constants) {
-  return spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
+  return spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.round_rod * spreads[1];
 }
 
-/** Excess kurtosis of residuals: 0 of Gaussian noise; of two sheets, as many points on each at +- a
- * with noise s, -2 a^4 / (a^2 + s^2)^2. */
+/** Excess kurtosis of residuals: 0 for Gaussian noise, and -2 a^4 / (a^2 + s^2)^2 for two equal
+ * sheets at +- a under noise s. */
 double excessOf(const PatchCubic& cubic) {
   const std::size_t count = cubic.places.size();
   double squares = 0, fourths = 0;
@@ -86,53 +89,54 @@ double excessOf(const PatchCubic& cubic) {
   return squares > 0 ? static_cast<double>(count) * fourths / (squares * squares) - 3 : 0;
 }
 
-/** What one place shows. */
+/** Figures of one place. */
 struct PlaceFigures {
-  double spacing = 0;    ///< by its smallest patch
-  double variance = -1;  ///< of a cubic's residuals, where it fits; of two sheets, within each
-  bool thin = false;     ///< no patch of one sheet alone fits, or two within one noise
-  bool flat = false;     ///< the latter
-  bool facing = false;   ///< one does, and beyond it there is another sheet
-  bool near = false;     ///< two sheets that a fit may part by itself, or not
+  double spacing = 0;    ///< spacing of the points of the smallest patch [local length]
+  double variance = -1;  ///< residual variance of the cubic, or within two sheets; < 0: unknown
+  bool thin = false;     ///< two sides that a fit would mix (docs/theory.md, "Whether")
+  bool flat = false;     ///< thin, by the kurtosis of the residuals alone
+  bool facing = false;   ///< two sides that a fit separates by itself
+  bool near = false;     ///< two sides that a fit may separate or mix
 };
 
-constexpr double kFilled = 0.15;  ///< a cubic's RMS residual over the radius of a patch that fits
-constexpr double kRelief =
-    4;  ///< growth of the variance to the next patch that is a rough surface's own
-constexpr double kDeviations =
-    1.5;  ///< standard deviations of the kurtosis by which residuals are flatter, too
-constexpr double kClean =
-    10.0;  ///< SideConstants::apart from which a fit parts sheets without help, ...
-constexpr double kClearGap =
-    3.0;  ///< ... but by smaller balls where they are this far apart [spacings]
-constexpr int kBeyond =
-    2;  ///< wider patches, after one that fits, in which a place's other side is sought
+/// Largest RMS residual of a cubic that fits [radius of the patch].
+constexpr double kMostResidual = 0.15;
+/// Largest growth of the variance from one patch to the next that is not a rough surface's own.
+constexpr double kReliefGrowth = 4;
+/// Scatter of the kurtosis by chance [standard deviations].
+constexpr double kKurtosisDeviations = 1.5;
+/// Distance of two sheets from which a fit separates them [standard deviation within the sheets].
+constexpr double kSeparateDistance = 10.0;
+constexpr double kSeparateGap = 3.0;  ///< gap from which it does so for certain [spacings]
+/// Number of patches, wider than one that fits, in which another side is sought.
+constexpr int kPatchesBeyond = 2;
 
-/** Looks at wider and wider patches of one place until one fits. */
-class PlaceLook {
+/** Examines wider and wider patches of one place until one fits. */
+class PlaceTest {
  public:
-  explicit PlaceLook(const SideConstants& constants) : constants_(&constants) {}
+  explicit PlaceTest(const SideConstants& constants) : constants_(&constants) {}
 
-  /** \return whether a wider patch must be looked at */
-  bool look(const Patch& patch) {
+  /** \return whether a wider patch must be examined */
+  bool examine(const Patch& patch) {
     if (!(patch.radius > 0)) return false;
     if (!(figures_.spacing > 0))
       figures_.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(kPatch));
-    if (fits_) return lookBeyond(patch);
+    if (fits_) return examineBeyond(patch);
     if (showsTwoSides(patch, figures_)) return false;
     thread_local PatchCubic cubic;
-    fits_ = fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kFilled * patch.radius;
-    // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
-    figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > kRelief * last_);
-    (fits_ ? figures_.variance : last_) = cubic.variance;
-    return !(fits_ && partResiduals(cubic));
+    fits_ = fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kMostResidual * patch.radius;
+    // Relief of the surface grows with the patch. Noise and the other side of a part do not.
+    figures_.thin =
+        !fits_ && !(last_variance_ > 0 && cubic.variance > kReliefGrowth * last_variance_);
+    (fits_ ? figures_.variance : last_variance_) = cubic.variance;
+    return !(fits_ && recognizeSheets(cubic));
   }
 
   const PlaceFigures& figures() const { return figures_; }
   bool showsAnotherSide() const { return figures_.thin || figures_.facing || figures_.near; }
-  /** The place has one side, whatever its patches show. */
+  /** Overrides the patches: the place has one side. */
   void setOneSided() { figures_.thin = figures_.flat = figures_.facing = figures_.near = false; }
-  /** The place has two, though its patches may show one. */
+  /** Overrides the patches: the place has two sides. */
   void setTwoSided() {
     if (showsAnotherSide()) return;
     figures_.thin = true;
@@ -140,18 +144,18 @@ class PlaceLook {
   }
 
  private:
-  /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian
-   * ones. */
-  bool partResiduals(const PatchCubic& cubic) {
+  /** Recognises two sheets that look like one rough sheet: the distribution of the residuals is
+   * flatter than a Gaussian one by more than chance. \return whether there are two */
+  bool recognizeSheets(const PatchCubic& cubic) {
     const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
     const double excess = excessOf(cubic);
-    if (excess > -constants_->flatter - kDeviations * deviation) return false;
+    if (excess > -constants_->flatter - kKurtosisDeviations * deviation) return false;
     figures_.thin = figures_.flat = true;
     figures_.variance *= 1 - std::sqrt(std::min(1.0, -0.5 * excess));
     return true;
   }
 
-  /** Whether a patch is a rod or two sheets. The latter are thin unless they part by themselves. */
+  /** Whether a patch is a rod or two sheets. Sheets are thin unless a fit separates them. */
   bool showsTwoSides(const Patch& patch, PlaceFigures& figures) const {
     const auto axes = principalAxes(patch.points);
     figures.thin = formsRod(axes.eigenvalues(), *constants_);
@@ -162,38 +166,39 @@ class PlaceLook {
     local = axes.eigenvectors().transpose() * (local.colwise() - local.rowwise().mean()).eval();
     const SheetGap sheets = gapOf(local, *constants_);
     if (!(sheets.gap > 0)) return false;
-    const double clean_sq = kClean * kClean * sheets.within_sq;
+    const double clean_sq = kSeparateDistance * kSeparateDistance * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
-    figures.facing = !figures.thin && sheets.gap > kClearGap * figures.spacing;
+    figures.facing = !figures.thin && sheets.gap > kSeparateGap * figures.spacing;
     figures.near = !figures.thin && !figures.facing;
     return true;
   }
 
-  /** Looks for another side in a patch wider than one that fits. \return whether to try a wider one
-   */
-  bool lookBeyond(const Patch& patch) {
+  /** Seeks another side in a patch wider than one that fits. \return whether a wider one must be
+   * examined */
+  bool examineBeyond(const Patch& patch) {
     PlaceFigures beyond = figures_;
     if (showsTwoSides(patch, beyond)) {
       figures_.facing = beyond.thin || beyond.facing;
       return false;
     }
-    return ++beyond_ < kBeyond;
+    return ++patches_beyond_ < kPatchesBeyond;
   }
 
   const SideConstants* constants_;
   PlaceFigures figures_;
-  double last_ = 0;  ///< variance of the patch before, which did not fit
+  double last_variance_ = 0;  ///< variance of the last patch, which did not fit
   bool fits_ = false;
-  int beyond_ = 0;  ///< wider patches looked at after one that fits
+  int patches_beyond_ = 0;  ///< number of patches examined after one that fits
 };
 
-constexpr double kOneSided = 0.5;  ///< cosine of beams' angles that leaves a place one side
+/// Least cosine between the beams of a place with one side.
+constexpr double kOneSidedCosine = 0.5;
 
-/** What the beams of a patch's points show of its sides. */
+/** Sides of a place by the beams of its points. */
 enum class BeamSides { kUnknown, kOne, kTwo };
 
-/** One side where all neighbours were seen from about the direction that the sample was seen from;
- * two where a share of them was clearly seen from either side of the patch. */
+/** One side if all neighbours were seen from about the direction of the sample's beam. Two sides if
+ * a share of them was clearly seen from either side of the patch. */
 BeamSides sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
                        std::size_t sample, const Patch& patch, const SideConstants& constants) {
   const auto beam = [&](std::size_t i) {
@@ -209,23 +214,22 @@ BeamSides sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>
     const double cosine = dot(other, normal);
     above += cosine > constants.clear_beam;
     below += cosine < -constants.clear_beam;
-    alike = alike && dot(own, other) > kOneSided;
+    alike = alike && dot(own, other) > kOneSidedCosine;
   }
   if (alike) return BeamSides::kOne;
   const double least = constants.least_side * static_cast<double>(neighbors.size());
   return std::min(above, below) > least ? BeamSides::kTwo : BeamSides::kUnknown;
 }
 
-constexpr double kFlatPlaces = 0.1;  ///< share of places that noise is taken from
+constexpr double kLeastOneSided = 0.1;  ///< least share of places with one side that give the noise
 
-ThinPlaces summarize(const std::vector<PlaceLook>& looks,
-                     const std::vector<std::size_t>& looked_at) {
+ThinPlaces summarize(const std::vector<PlaceTest>& tests, const std::vector<std::size_t>& sampled) {
   ThinPlaces places;
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(looks.size(), 1));
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(tests.size(), 1));
   std::vector<double> spacings, variances;
-  for (std::size_t s = 0; s < looks.size(); ++s) {
-    const PlaceFigures& figure = looks[s].figures();
-    if (looks[s].showsAnotherSide()) places.thin.push_back(looked_at[s]);
+  for (std::size_t s = 0; s < tests.size(); ++s) {
+    const PlaceFigures& figure = tests[s].figures();
+    if (tests[s].showsAnotherSide()) places.thin.push_back(sampled[s]);
     places.share += figure.thin ? share : 0;
     places.flat += figure.flat ? share : 0;
     places.facing += figure.facing ? share : 0;
@@ -235,7 +239,7 @@ ThinPlaces summarize(const std::vector<PlaceLook>& looks,
   }
   if (!spacings.empty()) places.spacing = median(spacings);
   const double flat = share * static_cast<double>(variances.size());
-  if (!variances.empty() && flat >= kFlatPlaces) places.noise = std::sqrt(median(variances));
+  if (!variances.empty() && flat >= kLeastOneSided) places.noise = std::sqrt(median(variances));
   return places;
 }
 
@@ -243,15 +247,15 @@ ThinPlaces summarize(const std::vector<PlaceLook>& looks,
 
 ThinPlaces findThinPlaces(const PointStore& store, const SideConstants& constants,
                           const NoiseConstants& noise, int threads) {
-  const std::size_t asked = std::clamp(store.size() / kPointsPerPlace, kLeastPlaces, kMostPlaces);
+  const std::size_t count = std::clamp(store.size() / kPointsPerPlace, kLeastPlaces, kMostPlaces);
   const std::size_t most = std::clamp(store.size() / noise.most_part, kPatch, kMostPatch);
-  ThinnedPlaces points(store, asked);
-  const std::vector<std::size_t> looked_at = points.places();
-  std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));
-  std::vector<char> open(looks.size(), 1);
-  std::vector<double> radii(looks.size(), 0.0);
+  ThinnedPlaces points(store, count);
+  const std::vector<std::size_t> sampled = points.places();
+  std::vector<PlaceTest> tests(points.size(), PlaceTest(constants));
+  std::vector<char> open(tests.size(), 1);
+  std::vector<double> radii(tests.size(), 0.0);
   threads = resolveThreads(threads);
-  for (std::size_t k = kPatch; k <= most; k *= kWider) {
+  for (std::size_t k = kPatch; k <= most; k *= kPatchFactor) {
     if (std::none_of(open.begin(), open.end(), [](char o) { return o != 0; })) break;
     const std::size_t stride = std::max<std::size_t>(1, k / kPatchPoints);
     points.thinTo(stride, threads);
@@ -259,21 +263,21 @@ ThinPlaces findThinPlaces(const PointStore& store, const SideConstants& constant
                                 std::size_t s) {
       if (!open[s]) return;
       thread_local Patch patch;
-      const double about = probableSquare(radii[s], static_cast<double>(kWider));
+      const double about = probableSquare(radii[s], static_cast<double>(kPatchFactor));
       patchAbout(part, search, place, k / stride, patch, about);
       radii[s] = patch.radius;
-      open[s] = looks[s].look(patch);
+      open[s] = tests[s].examine(patch);
       if (!part.hasSensors() || !(patch.radius > 0)) return;
       thread_local std::vector<std::uint32_t> neighbors;
       search.nearestSet(place, k / stride, neighbors, static_cast<float>(about));
       const BeamSides sides = sidesByBeams(part, neighbors, place, patch, constants);
-      if (sides == BeamSides::kOne) looks[s].setOneSided();
+      if (sides == BeamSides::kOne) tests[s].setOneSided();
       if (sides != BeamSides::kTwo) return;
-      looks[s].setTwoSided();
+      tests[s].setTwoSided();
       open[s] = 0;
     });
   }
-  return summarize(looks, looked_at);
+  return summarize(tests, sampled);
 }
 
 }  // namespace pcl_slim::detail

@@ -77,7 +77,7 @@ TEST(CellKernels, SheetsArePartedAsByALoop)
         mean += near.columns[0][k] * heightOf(near, k, normal);
       }
       mean /= total;
-      const TwoSheets two = kernels::partCells(near, count, normal, mean, 4);
+      const TwoSheets two = kernels::separateCells(near, count, normal, mean, 4);
       double above = 0, sums[2] = {0, 0};
       for (std::size_t k = 0; k < count; ++k) {
         const bool high = k % 3 == 0;
@@ -98,7 +98,7 @@ TEST(CellKernels, CellsOfOneHeightAreNotParted)
   for (auto& column : near.columns) column.fill(0);
   std::fill_n(near.columns[0].begin(), kCells, 2.0);
   forEachInstructionSet([&](const char* target) {
-    const TwoSheets two = kernels::partCells(near, kCells, {0, 0, 1}, 0, 4);
+    const TwoSheets two = kernels::separateCells(near, kCells, {0, 0, 1}, 0, 4);
     EXPECT_EQ(two.gap, 0) << target;
     EXPECT_EQ(two.square, 0) << target;
   });

@@ -12,131 +12,164 @@
 
 namespace pcl_slim::detail {
 
-/** \brief How the two sides of thin parts are found before a fit (docs/theory.md, "Sides before
- * the cover"). */
+/** \brief Search for the two sides of thin parts before a fit (docs/theory.md, "Sides before the
+ * cover").
+ *
+ * The confidence of sides is the share of the agreement of neighbouring cells that they satisfy;
+ * doubt is the rest. Two sheets face apart if each is behind the other. */
 struct SideConstants {
-  static constexpr std::size_t kMostNeighbors = 36;
+  static constexpr std::size_t kMostNeighbors = 36;  ///< largest number of cells that give a normal
 
-  double cell_noise = 1.5;   ///< width of a cell [sqrt(lambda)], if no less than by the spacing
-  std::size_t edges = 12;    ///< nearest cells that a cell has edges to, and all on another sheet
-  double apart = 4.0;        ///< distance of two sheets' means over their own deviation
-  double least_side = 0.15;  ///< share of the points on the smaller of two sheets
-  double flatter = 0.4;    ///< excess kurtosis, below minus this, of residuals that are two sheets
-  double rod = 0.2;        ///< variance across over that along, below which a patch is a rod ...
-  double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
-  double least_thin = 0.07;  ///< share of thin places from which sides are sought ...
-  double clean_thin = 0.35;  ///< ... and where there is little noise
-  double clean_noise = 0.4;  ///< noise that is little [spacings] ...
-  double full_noise = 0.45;  ///< ... and that is not
-  /// The same, with places where sheets face one that a patch fits. From here on noise without
-  /// sides counts, and both kinds of places add to the doubts.
+  // Cells, and sheets of cells or of a patch.
+  double cell_noise = 1.5;          ///< width of a cell [sqrt(lambda)]
+  std::size_t edge_neighbors = 12;  ///< nearest cells that a cell has edges to
+  /// Least distance of the means of two sheets [standard deviation within the sheets].
+  double sheet_distance = 4.0;
+  double least_side = 0.15;  ///< least share of the points on the smaller of two sheets
+  /// Residuals of a cubic are those of two sheets if their excess kurtosis is below minus this, by
+  /// more than chance.
+  double flatter = 0.4;
+  double rod = 0.2;  ///< largest variance of a rod across its axis [variance along it]
+  /// Least ratio of a rod's two variances across its axis. That of a strip is less.
+  double round_rod = 0.2;
+
+  // Whether sides are sought. Shares are those of the places examined.
+  double least_thin = 0.07;  ///< least share of thin places, from full_noise on
+  double clean_thin = 0.35;  ///< least share of thin places, up to clean_noise; linear between
+  double clean_noise = 0.4;  ///< largest noise of a clean cloud [spacings]
+  double full_noise = 0.45;  ///< least noise of a noisy cloud [spacings]
+  /// Least share of thin and facing places together from which sides are sought. The noise without
+  /// sides then decides whether the cloud is clean, and both kinds of places bound the doubt.
   double least_facing = 0.4;
-  double few_thin = 0.04;  ///< share of places of all kinds from which the parts there get sides
-  std::size_t probe_places = 16;    ///< a large cloud is judged by some thin places first, ...
-  std::size_t probe_points = 1000;  ///< ... by the points about each, ...
-  std::size_t probe_part = 4;  ///< ... where the cloud has more than this many times as many, ...
-  double probe_sure = 0.2;     ///< ... and has sides if this share of edges is in sure parts
-  /// Where sides are in doubt, points are moved to planes of this many neighbours for a variance of
-  /// one squared spacing, ...
-  double plane = 10;
-  double most_plane = 48;        ///< ... but no more than this, ...
-  std::size_t least_plane = 16;  ///< ... or not at all; ...
-  double plane_sides = 0.85;     ///< ... of their own side, from this confidence on
-  double feet_noise = 0.7;       ///< least share of the points' noise that their feet have
-  /// Where sides are in doubt and parts are few spacings thick, leaves follow the points to within
-  /// this share of the median gap of two sheets, ...
-  double followed = 0.1;
-  double near_gap = 4, far_gap = 6;             ///< ... from the lesser gap on [spacings] ...
-  double more_doubt = 0.88, less_doubt = 0.93;  ///< ... and from the lesser confidence on
-  double outward = 0.95;  ///< agreement of all cells from which their sides orient the surface
-  double part = 0.25;     ///< of that share that must come to face apart ...
-  double doubt = 0.45;    ///< ... and that may be in doubt, ...
-  /// (where none are sure enough, noise is wide and fewer points than this share their errors,
-  /// which else make terraces: this much in all)
-  double terraces = 3, last_doubt = 0.3;
-  double clean_doubt = 0.03;  ///< ... of all agreements at most this where there is little noise
-  double much_doubt =
-      4;  ///< growth of that part that narrower cells with the same noise do not excuse
-  double same_noise =
-      0.75;            ///< share of the noise that the cells were cut by, from which it is the same
-  double sure = 0.95;  ///< confidence from which narrower cells are not tried
-  int noise_passes = 5;       ///< times that cells are cut by the noise that sides show
-  double least_noise = 0.05;  ///< noise that sides may show where there was less without [spacings]
-  double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings], ...
-  double doubtful_cells = 0.8;  ///< ... and below it once more where sides are in doubt
-  double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
-  int passes = 4;           ///< rounds of two-means on heights
-  std::size_t settled_points = 32;  ///< nearest points by which a point's sheet is chosen, ...
-  int settle_rounds = 30;           ///< ... round by round, at most
-  /// Mean squared cosine to the normals of its neighbours below which a point's normal gives way to
-  /// ...
-  double across = 0.5;
-  double common = 0.6;  ///< ... the direction along which more than this share of their squares is
+  /// Least share of places of all kinds from which points near them get sides, where sides of all
+  /// points are not sought.
+  double few_thin = 0.04;
+
+  // Test of a large cloud by some of its few thin places.
+  std::size_t probe_places = 16;    ///< number of places
+  std::size_t probe_points = 1000;  ///< number of points around each
+  std::size_t probe_part = 4;       ///< a large cloud has more points than this times all of these
+  double probe_sure = 0.2;  ///< least share of the edges between sheets in parts with certain sides
+
+  // Points moved to local planes where sides are in doubt.
+  double plane = 10;       ///< neighbours of a plane for a noise variance of one squared spacing
+  double most_plane = 48;  ///< largest number of neighbours of a plane
+  std::size_t least_plane = 16;  ///< points do not move where planes have fewer neighbours
+  double plane_sides = 0.85;     ///< confidence from which a plane has points of one side only
+  double feet_noise = 0.7;       ///< least noise of the moved points [noise before]
+
+  // Factor of lambda where sides are in doubt and parts are few spacings thick: (followed * gap)^2
+  // over lambda, with an exponent that is linear in the gap and in the confidence.
+  double followed = 0.1;     ///< distance of leaves from the points [median gap of two sheets]
+  double near_gap = 4;       ///< largest gap with the exponent 1 [spacings]
+  double far_gap = 6;        ///< least gap with the exponent 0 [spacings]
+  double more_doubt = 0.88;  ///< largest confidence with the exponent 1
+  double less_doubt = 0.93;  ///< least confidence with the exponent 0
+
+  // Whether sides are kept.
+  /// Least confidence of the signs of all cells where few places get sides. Below it none do.
+  double outward = 0.95;
+  double part = 0.25;   ///< least share of the points that face apart [share of thin places]
+  double doubt = 0.45;  ///< largest doubt [share of thin places]
+  /// Correlation of the noise [points] below which last_doubt applies. Noise that more points share
+  /// makes terraces, which look like sheets.
+  double terraces = 3;
+  double last_doubt = 0.3;  ///< largest doubt in a noisy cloud where no width of cells gives sides
+  double clean_doubt = 0.03;  ///< largest doubt in a clean cloud
+  /// Largest factor of the doubt from wider to narrower cells that find the same noise.
+  double much_doubt = 4;
+  double same_noise = 0.75;  ///< least ratio of two noises that count as the same
+  double sure = 0.95;        ///< confidence from which narrower cells are not tried
+
+  // Noise that sets the width of the cells.
+  int noise_passes = 5;         ///< largest number of widths
+  double least_noise = 0.05;    ///< least upper bound of the noise that sides give a fit [spacings]
+  double least_cells = 1.0;     ///< least noise that sets the width [spacings]
+  double doubtful_cells = 0.8;  ///< the same for a last width where sides are in doubt [spacings]
+
+  // Sides of points.
+  /// Least cosine of a point's beam and its cell's normal from which the beam decides the side.
+  double clear_beam = 0.2;
+  int passes = 4;                   ///< iterations of two-means on heights
+  std::size_t settled_points = 32;  ///< nearest points that decide which sheet a point is on
+  int settle_rounds = 30;           ///< largest number of rounds of these decisions
+  /// Mean squared cosine to the neighbours' normals below which a point's normal is replaced by
+  /// their common direction.
+  double least_alignment = 0.5;
+  /// Share of the squares of the neighbours' normals along one direction from which it is common.
+  double common_direction = 0.6;
 };
 
 /** \brief Which points get sides. */
 enum class SideScope {
   kAll,
-  kFacing,  ///< those near another sheet that faces the other way, where near cells agree
+  kFacing,  ///< points near another sheet that faces apart, in parts whose cells agree
 };
 
-/** \brief A unit normal of common side for every stored point; 0: it gets none. */
+/** \brief Unit normals of consistent sign for the stored points. */
 struct Sides {
-  std::vector<std::array<float, 3>> normals;
-  std::vector<char> on_rods;  ///< 1: a stored point's normal is away from a rod's axis
-  std::vector<std::array<float, 3>> outward;  ///< of kFacing, the same for every point ...
-  double outward_confidence = 0;              ///< ... and the agreement of all neighbouring cells
-  std::size_t cells = 0;                      ///< that share a normal
-  double thin = 0;        ///< share of the points that face apart from others behind them
-  double gap = HUGE_VAL;  ///< median distance of two such sheets, local length
-  double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
-  double sure = 1;        ///< share of the places between sheets that are in sure parts
+  std::vector<std::array<float, 3>> normals;  ///< 0: the point gets no side
+  std::vector<char> on_rods;                  ///< 1: the point's normal is radial to a rod's axis
+  std::vector<std::array<float, 3>> outward;  ///< for kFacing: the sides of all points
+  double outward_confidence = 0;              ///< confidence of outward
+  std::size_t cells = 0;                      ///< number of cells, whose points share a normal
+  double thin = 0;        ///< share of the points in front of others that face apart
+  double gap = HUGE_VAL;  ///< median distance of two such sheets [local length]
+  double confidence = 0;  ///< agreement of neighbouring cells; 1: all agree, 0: by chance
+  double sure = 1;        ///< share of the edges between sheets in parts with certain sides
 };
 
-/** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells
- * about them, signs by greedy contraction of the graph of cells or, where points have sensors, by
- * these. O(n log n); same result for any number of threads. \param[in] noise RMS distance of points
- * from the surface, local length
- * \param[in] spacing distance of neighbouring points, local length */
+/** \brief Finds sides of a cloud without normals. Normals of cells are those of the moments of the
+ * cells around. Signs are found by greedy contraction of the graph of cells or, where points have
+ * sensors, by these. O(n log n); the number of threads does not change the result.
+ * \param[in] noise RMS distance of the points from the surface [local length]
+ * \param[in] spacing distance of neighbouring points [local length] */
 PCL_SLIM_EXPORT Sides findSides(const PointStore& store, double noise, double spacing,
                                 SideScope scope, const SideConstants& constants, int threads);
 
-/** \brief Where balls would meet two sides. */
+/** \brief Places of a cloud where a ball would contain two sides. */
 struct ThinPlaces {
-  double share = 0;    ///< of the places looked at
-  double flat = 0;     ///< of these, where only the residuals' kurtosis shows two sheets
-  double facing = 0;   ///< share of the others where a sheet faces one that a patch fits
-  double near = 0;     ///< share of those where sheets are near, and far for their noise
-  double noise = 0;    ///< RMS residual of cubics at places that are not thin; 0: too few are
-  double spacing = 0;  ///< of the points, the median, local length
-  std::vector<std::size_t> thin;  ///< stored points at places of any of the three kinds
+  double share = 0;    ///< share of the places that are thin
+  double flat = 0;     ///< share of the places that are thin by their residuals' kurtosis alone
+  double facing = 0;   ///< share of other places where two sheets face each other
+  double near = 0;     ///< share of other places with sheets near each other, but distinct
+  double noise = 0;    ///< RMS residual of cubics at places with one side; 0: too few have
+  double spacing = 0;  ///< median distance of neighbouring points [local length]
+  std::vector<std::size_t> thin;  ///< stored points at places of the three kinds
 };
 
-/** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
- * noise fills its patches until the surface bends away: cubics leave more than a share of the
- * radius however wide they are. It is thin, too, if a cubic fits, but its residuals are flatter
- * than Gaussian ones (excess kurtosis): two sheets within one noise. Where points have sensors, a
- * place seen from either side of its patch is thin, and one seen from about one direction is not.
- * O(places k). */
+/** \brief Examines places spread over a cloud for two sides. A place is thin if
+ *
+ * 1. its points form two sheets or a rod;
+ * 2. noise fills its patches: cubics leave more than a share of the radius at every width;
+ * 3. a cubic fits, but its residuals are flatter than Gaussian ones (excess kurtosis), as those of
+ *    two sheets within one noise are;
+ * 4. its points were seen from either side of its patch.
+ *
+ * A place that was seen from about one direction has one side. O(places k). */
 PCL_SLIM_EXPORT ThinPlaces findThinPlaces(const PointStore& store, const SideConstants& constants,
                                           const NoiseConstants& noise, int threads);
 
-/** \brief Gives points near others that face the other way a side and a normal of their own. A cell
- * gives all of its points one normal, and one side or two at a plane between two sheets; where
- * sheets meet, as at the edge of a blade, many cells have the wrong side, and cells with a bit of
- * another sheet any normal. Points on the sheet of those of their nearest points that face the
- * other way turn, round by round until none is left: sides spread from the cells that have the
- * right one. Then points have the normals of planes of least squares of their neighbours on the
- * sheet. O(n k); same result for any number of threads.
- * \param[in] on_rods stored points whose normals stay, as Sides::on_rods; empty: none
- * \param[in,out] normals of the stored points; 0: no side, left out */
+/** \brief Corrects the sides and normals of points near points that face the other way.
+ *
+ * All points of a cell have one normal, and one sign or two on either side of a plane. Where sheets
+ * meet, as at the edge of a blade, many cells have the wrong sign, and cells with some points of
+ * another sheet have arbitrary normals.
+ *
+ * 1. A point turns if it is on the sheet of those of its nearest points that face the other way.
+ *    Rounds follow until no point turns, so that right sides spread.
+ * 2. Then each point gets the normal of the least-squares plane of its neighbours on its sheet.
+ *
+ * O(n k); the number of threads does not change the result.
+ * \param[in] on_rods stored points whose normals do not change, as Sides::on_rods; empty: none
+ * \param[in,out] normals of the stored points; points of normal 0 have no side and do not count */
 PCL_SLIM_EXPORT void settleSides(const PointStore& store, const std::vector<char>& on_rods,
                                  const SideConstants& constants, int threads,
                                  std::vector<std::array<float, 3>>& normals);
 
-/** \brief Every stored point's foot on the plane of least squares of its k nearest points, itself
- * included: local positions. Where the store has sides, points of the other side are left out. O(n
- * k). */
+/** \brief Projects every stored point onto the least-squares plane of its k nearest points, itself
+ * included. Where the store has sides, points of the other side are left out.
+ * \return local positions. O(n k). */
 PCL_SLIM_EXPORT std::vector<std::array<double, 3>> feetOnLocalPlanes(const PointStore& store,
                                                                      std::size_t k, int threads);
 
