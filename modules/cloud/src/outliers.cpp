@@ -18,40 +18,43 @@ using namespace detail;
 
 namespace {
 
-/** \brief The neighbours of one point after another, for decisions about outliers. */
+/** \brief The neighbours of one point at a time, and the tests for outliers on them. */
 class Neighborhood {
  public:
   explicit Neighborhood(const PointStore& store) : store_(store), search_(store) {}
 
-  /** \brief Finds the nearest others of a stored point, nearest first.
-   * \param[in] left_out one byte a stored point: those not to be taken; null: none.
-   * \param[in] among how many neighbours are looked through for them. \return how many were found.
-   */
+  /** \brief Finds the nearest other points of a stored point, nearest first.
+   * \param[in] left_out one byte for each stored point, 1: not to be found; null: none is left out
+   * \param[in] among number of nearest points from which they are taken
+   * \return the number of points found */
   std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
                    std::size_t among);
 
-  /** \brief Whether a stored point surely has this many others within a distance: much cheaper than
-   * to find them. false where rounding leaves a doubt. */
+  /** \brief Whether a stored point certainly has this number of others within a distance. Costs
+   * much less than find(). \return false if rounding leaves a doubt */
   bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
                        const unsigned char* left_out = nullptr);
 
-  /** \brief Distance of the n-th other, n from 1 on; infinite where there are fewer. */
+  /** \brief Distance of the n-th neighbour found, n >= 1; infinite if there are fewer. */
   double distance(std::size_t n) const;
 
-  /** \brief Whether the point and its neighbours fill a volume, as those of no surface or line do:
-   * least over greatest eigenvalue of their covariance. */
+  /** \brief Whether the point and its neighbours fill a volume, unlike points of a surface or line.
+   * \param[in] least_ratio of the least to the greatest eigenvalue of their covariance */
   bool fillsVolume(double least_ratio) const;
 
-  /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings,
-   * and the point is outside of it, off its plane or line.
-   * \param[in] closeness half of the neighbours have others within the eighth's distance over this.
-   * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
-   * \param[in] off least share of it that points away from plane or line. */
-  bool standsApart(double closeness, double spreads, double off) const;
+  /** \brief Whether most neighbours form a much denser patch, and the point is far from it and off
+   * its plane or line.
+   * \param[in] density_ratio the patch is dense if the median distance of its points to the nearest
+   * is below the distance of the point's eighth neighbour over this
+   * \param[in] spreads least distance from the mean of the patch [RMS distance of its points]
+   * \param[in] off_share least distance from its plane or line [distance from its mean] */
+  bool isApartFromPatch(double density_ratio, double spreads, double off_share) const;
 
-  /** \brief Whether the point is off its neighbours' plane: by more than this multiple of their own
-   * RMS distance from it, and a given share of its distance from their mean and from the eighth. */
-  bool standsOffPlane(double heights, double share) const;
+  /** \brief Whether the point is far from its neighbours' plane.
+   * \param[in] heights least distance from the plane [RMS distance of the neighbours]
+   * \param[in] share least distance from the plane [distance from their mean, and that from the
+   * eighth neighbour] */
+  bool isOffPlane(double heights, double share) const;
 
  private:
   PatchPoints densePatch(double distance) const;
@@ -59,7 +62,7 @@ class Neighborhood {
   const PointStore& store_;
   NeighborSearch search_;
   std::vector<std::uint32_t> found_;
-  std::vector<std::uint32_t> blocks_;  ///< those of hasOthersWithin(), and what it finds in them
+  std::vector<std::uint32_t> blocks_;  ///< scratch of hasOthersWithin(), as the next two
   AlignedVector<float> within_sq_;
   AlignedVector<std::uint32_t> within_;
   std::vector<float> distances_sq_;
@@ -67,10 +70,12 @@ class Neighborhood {
   std::vector<double> distances_;
 };
 
-constexpr std::size_t kEighth = 8;
-constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
-constexpr double kLine =
-    0.05;  ///< second eigenvalue over the greatest, below which points are a line
+/// The distance to this neighbour is the spacing around a point.
+constexpr std::size_t kSpacingNeighbor = 8;
+/// Factor of the last point's squared search radius that probably suffices for the next point.
+constexpr float kRadiusMargin = 1.4f;
+/// Largest ratio of the second to the greatest eigenvalue of points on a line.
+constexpr double kLineRatio = 0.05;
 
 Eigen::Vector3d meanOf(const PatchPoints& points) {
   return kernels::sumPatch(points).first / static_cast<double>(points.size());
@@ -79,7 +84,7 @@ Eigen::Vector3d meanOf(const PatchPoints& points) {
 std::size_t Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* left_out,
                                std::size_t among) {
   // The next point's neighbours are about as far as the last one's.
-  const float last = found_.size() == among + 1 ? kMargin * distances_sq_.back() : 0;
+  const float last = found_.size() == among + 1 ? kRadiusMargin * distances_sq_.back() : 0;
   search_.nearest(point, among + 1, found_, distances_sq_, last);
   others_.resize(count);
   distances_.clear();
@@ -128,10 +133,10 @@ bool Neighborhood::fillsVolume(double least_ratio) const {
   return spread[0] > least_ratio * spread[2];
 }
 
-/** The neighbours that are as dense as their median; none if that is no closer to another than a
- * given distance. */
+/** The neighbours whose distance to the nearest is about the median of these distances.
+ * \return empty if the median exceeds a given distance */
 PatchPoints Neighborhood::densePatch(double distance) const {
-  constexpr double kAlike = 3;  // times the median's distance to its nearest
+  constexpr double kMostRatio = 3;  // of the distance to the nearest and its median
   const std::size_t n = others_.size();
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < n; ++i) {
@@ -147,14 +152,14 @@ PatchPoints Neighborhood::densePatch(double distance) const {
   patch.resize(n);
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (nearest[i] <= kAlike * middle) patch.set(count++, others_.at(i));
+    if (nearest[i] <= kMostRatio * middle) patch.set(count++, others_.at(i));
   }
   patch.cut(count);
   return patch;
 }
 
-bool Neighborhood::standsApart(double closeness, double spreads, double off) const {
-  const PatchPoints patch = densePatch(distance(kEighth) / closeness);
+bool Neighborhood::isApartFromPatch(double density_ratio, double spreads, double off_share) const {
+  const PatchPoints patch = densePatch(distance(kSpacingNeighbor) / density_ratio);
   if (patch.size() < 3) return false;
   const Eigen::Vector3d mean = meanOf(patch);
   const auto axes = principalAxes(patch);
@@ -163,62 +168,74 @@ bool Neighborhood::standsApart(double closeness, double spreads, double off) con
   if (!(distance_sq > spreads * spreads * spread.sum())) return false;
   const double along = mean.dot(axes.eigenvectors().col(2)),
                across = mean.dot(axes.eigenvectors().col(0));
-  const bool line = spread[1] < kLine * spread[2];
+  const bool line = spread[1] < kLineRatio * spread[2];
   const double off_sq = line ? distance_sq - along * along : across * across;
-  return off_sq > off * off * distance_sq;
+  return off_sq > off_share * off_share * distance_sq;
 }
 
-bool Neighborhood::standsOffPlane(double heights, double share) const {
+bool Neighborhood::isOffPlane(double heights, double share) const {
   const Eigen::Vector3d mean = meanOf(others_);
   const auto axes = principalAxes(others_);
   const double height = std::abs(mean.dot(axes.eigenvectors().col(0)));
   const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
   return height > heights * own && height > share * mean.norm() &&
-         height > share * distance(kEighth);
+         height > share * distance(kSpacingNeighbor);
 }
 
 constexpr std::size_t kBlock = PointStore::kBlock;
-constexpr std::size_t kTask = 64;          ///< blocks a thread takes at a time
-constexpr std::size_t kLeastPoints = 100;  ///< of a cloud whose density means something
-constexpr std::size_t kNear = 8;           ///< neighbours that make a point's spacing
-constexpr std::size_t kSample = 256;       ///< points whose spacing makes the cloud's
-constexpr double kFar = 3.0;               ///< spacings, from which on a point is looked at
-constexpr std::size_t kAround = 16;        ///< its neighbours that are looked at
-constexpr double kVolume = 0.1;            ///< ratio of eigenvalues: uniform volumes have .1 to .7
-constexpr double kCloseness =
-    4;                          ///< a patch this many times denser than around a point is another's
-constexpr double kApart = 2.5;  ///< RMS distances from the neighbours' mean
-constexpr double kOff = 0.3;    ///< share of that distance off their plane
-constexpr double kMany = 0.005;       ///< share of outliers that have others near the surface ...
-constexpr std::size_t kWindow = 128;  ///< ... among these blocks before and after along the curve
-constexpr double kClose = 1.5;        ///< spacings, from which on those are looked at
-constexpr std::size_t kPlane = 24;    ///< neighbours whose plane they are off ...
-constexpr std::size_t kAmong = 63;    ///< ... of this many nearest points
-constexpr double kHeights = 4.0;      ///< times the neighbours' own RMS height
-constexpr double kSteep = 0.25;       ///< share of their distance that is height
-constexpr double kFew = 0.001;        ///< share of new outliers below which none hides another
-constexpr int kRounds = 2;            ///< at most
+constexpr std::size_t kTask = 64;             ///< number of blocks that a thread takes at a time
+constexpr std::size_t kLeastPoints = 100;     ///< fewer points have no meaningful density
+constexpr std::size_t kSpacingSamples = 256;  ///< points whose median spacing is the cloud's
 
-/** One byte a stored point: 1 of an outlier. */
+// Points far from all others (docs/theory.md, "Outliers", rules 1 to 3).
+/// Least distance to the eighth neighbour of a point that may be such an outlier [spacings].
+constexpr double kFarSpacings = 3.0;
+constexpr std::size_t kFarNeighbors = 16;  ///< neighbours on which it is tested
+/// Least ratio of the eigenvalues of points that fill a volume. Uniform volumes have .1 to .7.
+constexpr double kVolumeRatio = 0.1;
+/// Least ratio of spacings around the point and within a patch that it does not belong to.
+constexpr double kDensityRatio = 4;
+constexpr double kPatchDistance = 2.5;  ///< least distance from this patch [its RMS radius]
+constexpr double kOffPlaneShare = 0.3;  ///< least distance from its plane [distance from its mean]
+
+// Points off the surface, but near it, where many other points are outliers.
+/// Least share of outliers in a window from which points near the surface are tested.
+constexpr double kOutlierShare = 0.005;
+constexpr std::size_t kWindowBlocks = 128;  ///< blocks of the window to either side along the curve
+/// Least distance to the eighth inlier of a point that may be such an outlier [spacings].
+constexpr double kNearSpacings = 1.5;
+constexpr std::size_t kPlaneNeighbors = 24;  ///< inliers whose plane the point is compared with
+/// Number of nearest points that must contain at least kSpacingNeighbor inliers.
+constexpr std::size_t kPlaneCandidates = 63;
+constexpr double kHeightRatio = 4.0;   ///< least height over this plane [RMS height of the inliers]
+constexpr double kHeightShare = 0.25;  ///< least height over this plane [distance of the inliers]
+constexpr int kMostRounds = 2;  ///< largest number of rounds: outliers hide others from the test
+/// Share of new outliers below which no other round follows [points of the cloud].
+constexpr double kNegligibleShare = 0.001;
+
+/** One byte for each stored point; 1: it is an outlier. */
 using Marks = std::vector<unsigned char>;
 
-/** Runs a decision on all points that have fewer than kNear others within a distance, and marks
- * those of which it is true. \return how many were marked. */
-template <typename Decision>
+/** Tests all points that have fewer than kSpacingNeighbor others within a distance, and marks those
+ * that the test accepts.
+ * \param[in] isOutlier called with the point, the marks before, and a Neighborhood
+ * \param[in] blocks the blocks whose points are tested; null: all
+ * \return the number of points marked */
+template <typename Test>
 std::size_t markSparse(const PointStore& store, double distance, int threads, Marks& marks,
-                       const Decision& decide, const std::vector<bool>* blocks = nullptr) {
+                       const Test& isOutlier, const std::vector<bool>* blocks = nullptr) {
   const auto limit_sq = static_cast<float>(distance * distance);
   const Marks before = marks;
   std::vector<Neighborhood> around(static_cast<std::size_t>(threads), Neighborhood(store));
   std::vector<std::size_t> marked(static_cast<std::size_t>(threads), 0);
   parallelFor(store.numBlocks(), threads, kTask, [&](std::size_t block, int thread) {
     if (blocks != nullptr && !(*blocks)[block]) return;
-    std::uint32_t sparse = kernels::sparsePoints(store, block, limit_sq, kNear);
+    std::uint32_t sparse = kernels::sparsePoints(store, block, limit_sq, kSpacingNeighbor);
     for (; sparse != 0; sparse &= sparse - 1) {
       const std::size_t i = block * kBlock + static_cast<std::size_t>(__builtin_ctz(sparse));
       if (i >= store.size() || before[i] != 0) continue;
       const auto t = static_cast<std::size_t>(thread);
-      if (!decide(i, before, around[t])) continue;
+      if (!isOutlier(i, before, around[t])) continue;
       marks[i] = 1;
       ++marked[t];
     }
@@ -228,31 +245,32 @@ std::size_t markSparse(const PointStore& store, double distance, int threads, Ma
   return sum;
 }
 
-/** Points far from all others, unless they belong to a sparse surface or line. */
+/** Marks points far from all others that belong to no sparse surface or line (rules 1 and 3). */
 std::size_t markScattered(const PointStore& store, double spacing, int threads, Marks& marks) {
-  const double far = kFar * spacing;
+  const double far = kFarSpacings * spacing;
   return markSparse(
       store, far, threads, marks, [far](std::size_t i, const Marks&, Neighborhood& around) {
-        if (around.hasOthersWithin(far, i, kNear)) return false;
-        around.find(i, kAround, nullptr, kAround);
-        return around.distance(kNear) >= far &&
-               (around.fillsVolume(kVolume) || around.standsApart(kCloseness, kApart, kOff));
+        if (around.hasOthersWithin(far, i, kSpacingNeighbor)) return false;
+        around.find(i, kFarNeighbors, nullptr, kFarNeighbors);
+        return around.distance(kSpacingNeighbor) >= far &&
+               (around.fillsVolume(kVolumeRatio) ||
+                around.isApartFromPatch(kDensityRatio, kPatchDistance, kOffPlaneShare));
       });
 }
 
-/** Points far from all others at least half of whose neighbours are outliers. */
-std::size_t markCompany(const PointStore& store, double spacing, int threads, Marks& marks) {
-  const double far = kFar * spacing;
-  return markSparse(store, far, threads, marks,
-                    [far](std::size_t i, const Marks& known, Neighborhood& around) {
-                      if (around.hasOthersWithin(far, i, kNear)) return false;
-                      around.find(i, kAround, nullptr, kAround);
-                      if (around.distance(kNear) < far) return false;
-                      return around.find(i, kAround, known.data(), kAround) <= kAround / 2;
-                    });
+/** Marks points far from all others at least half of whose neighbours are outliers (rule 2). */
+std::size_t markAmongOutliers(const PointStore& store, double spacing, int threads, Marks& marks) {
+  const double far = kFarSpacings * spacing;
+  return markSparse(
+      store, far, threads, marks, [far](std::size_t i, const Marks& known, Neighborhood& around) {
+        if (around.hasOthersWithin(far, i, kSpacingNeighbor)) return false;
+        around.find(i, kFarNeighbors, nullptr, kFarNeighbors);
+        if (around.distance(kSpacingNeighbor) < far) return false;
+        return around.find(i, kFarNeighbors, known.data(), kFarNeighbors) <= kFarNeighbors / 2;
+      });
 }
 
-/** The blocks around which many points are outliers. */
+/** The blocks in whose window many points are outliers. */
 std::vector<bool> blocksAmongOutliers(const PointStore& store, const Marks& marks) {
   const std::size_t blocks = store.numBlocks();
   std::vector<std::size_t> before(blocks + 1, 0);
@@ -260,25 +278,28 @@ std::vector<bool> blocksAmongOutliers(const PointStore& store, const Marks& mark
   for (std::size_t b = 0; b < blocks; ++b) before[b + 1] += before[b];
   std::vector<bool> among(blocks);
   for (std::size_t b = 0; b < blocks; ++b) {
-    const std::size_t first = b - std::min(b, kWindow), end = std::min(b + kWindow + 1, blocks);
+    const std::size_t first = b - std::min(b, kWindowBlocks),
+                      end = std::min(b + kWindowBlocks + 1, blocks);
     const auto points = static_cast<double>((end - first) * kBlock);
-    among[b] = static_cast<double>(before[end] - before[first]) > kMany * points;
+    among[b] = static_cast<double>(before[end] - before[first]) > kOutlierShare * points;
   }
   return among;
 }
 
-/** Points off the surface, but near it. */
+/** Marks points off the surface, but near it: those with few inliers around, and those off the
+ * plane of these. */
 std::size_t markNearSurface(const PointStore& store, double spacing, int threads, Marks& marks) {
   const std::vector<bool> among = blocksAmongOutliers(store, marks);
-  const double close = kClose * spacing;
+  const double close = kNearSpacings * spacing;
   return markSparse(
       store, close, threads, marks,
       [close](std::size_t i, const Marks& known, Neighborhood& around) {
-        if (around.hasOthersWithin(close, i, kNear, known.data())) return false;
-        if (around.find(i, kPlane, known.data(), kPlane) < kPlane &&
-            around.find(i, kPlane, known.data(), kAmong) < kNear)
+        if (around.hasOthersWithin(close, i, kSpacingNeighbor, known.data())) return false;
+        if (around.find(i, kPlaneNeighbors, known.data(), kPlaneNeighbors) < kPlaneNeighbors &&
+            around.find(i, kPlaneNeighbors, known.data(), kPlaneCandidates) < kSpacingNeighbor)
           return true;
-        return around.distance(kNear) >= close && around.standsOffPlane(kHeights, kSteep);
+        return around.distance(kSpacingNeighbor) >= close &&
+               around.isOffPlane(kHeightRatio, kHeightShare);
       },
       &among);
 }
@@ -286,12 +307,12 @@ std::size_t markNearSurface(const PointStore& store, double spacing, int threads
 }  // namespace
 
 double medianSpacing(const PointStore& store) {
-  const std::size_t samples = std::min(kSample, store.size());
+  const std::size_t samples = std::min(kSpacingSamples, store.size());
   Neighborhood around(store);
   std::vector<double> spacings;
   for (std::size_t s = 0; s < samples; ++s) {
-    around.find(s * store.size() / samples, kNear, nullptr, kNear);
-    spacings.push_back(around.distance(kNear));
+    around.find(s * store.size() / samples, kSpacingNeighbor, nullptr, kSpacingNeighbor);
+    spacings.push_back(around.distance(kSpacingNeighbor));
   }
   return median(spacings);
 }
@@ -303,10 +324,10 @@ std::vector<std::uint32_t> findOutliers(const PointStore& store, int threads, do
   if (spacing <= 0) spacing = medianSpacing(store);
   Marks marks(n, 0);
   if (markScattered(store, spacing, threads, marks) == 0) return {};
-  markCompany(store, spacing, threads, marks);
-  for (int round = 0; round < kRounds; ++round) {
+  markAmongOutliers(store, spacing, threads, marks);
+  for (int round = 0; round < kMostRounds; ++round) {
     const std::size_t marked = markNearSurface(store, spacing, threads, marks);
-    if (static_cast<double>(marked) < kFew * static_cast<double>(n)) break;
+    if (static_cast<double>(marked) < kNegligibleShare * static_cast<double>(n)) break;
   }
   std::vector<std::uint32_t> outliers;
   for (std::size_t i = 0; i < n; ++i) {
