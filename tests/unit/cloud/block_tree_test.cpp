@@ -14,9 +14,7 @@ namespace {
 constexpr double kRounding = 1e-5;
 
 /** Boxes of mixed size, some of them points or flat. */
-BlockTree::Level
-randomBoxes(std::size_t count, std::mt19937& random)
-{
+BlockTree::Level randomBoxes(std::size_t count, std::mt19937& random) {
   std::uniform_real_distribution<float> place(-0.5f, 0.5f), extent(0.0f, 0.05f);
   BlockTree::Level boxes;
   boxes.allocate(count);
@@ -31,9 +29,7 @@ randomBoxes(std::size_t count, std::mt19937& random)
   return boxes;
 }
 
-double
-distanceToBox(const BlockTree::Level& boxes, std::size_t b, const float center[3])
-{
+double distanceToBox(const BlockTree::Level& boxes, std::size_t b, const float center[3]) {
   const double low[] = {boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]};
   const double high[] = {boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]};
   double sum = 0;
@@ -45,10 +41,8 @@ distanceToBox(const BlockTree::Level& boxes, std::size_t b, const float center[3
 }
 
 /** The blocks found are ascending, hold every block clearly inside and none clearly outside. */
-void
-expectBall(const BlockTree::Level& boxes, const float center[3], float radius,
-           const std::vector<std::uint32_t>& found)
-{
+void expectBall(const BlockTree::Level& boxes, const float center[3], float radius,
+                const std::vector<std::uint32_t>& found) {
   ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));
   ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
   for (std::size_t b = 0; b < boxes.count; ++b) {
@@ -59,8 +53,7 @@ expectBall(const BlockTree::Level& boxes, const float center[3], float radius,
   }
 }
 
-TEST(BlockTree, FindsTheBlocksOfABall)
-{
+TEST(BlockTree, FindsTheBlocksOfABall) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(-0.6f, 0.6f), size(0.001f, 0.4f);
   for (const std::size_t count : {1, 15, 16, 17, 255, 256, 257, 4097}) {
@@ -77,8 +70,7 @@ TEST(BlockTree, FindsTheBlocksOfABall)
   }
 }
 
-TEST(BlockTree, FindsTheBlocksOfABox)
-{
+TEST(BlockTree, FindsTheBlocksOfABox) {
   std::mt19937 random(12);
   std::uniform_real_distribution<float> place(-0.6f, 0.6f);
   for (const std::size_t count : {3, 16, 300, 4097}) {
@@ -103,8 +95,7 @@ TEST(BlockTree, FindsTheBlocksOfABox)
   }
 }
 
-TEST(BlockTree, AppendsAndHoldsNothingWhenEmpty)
-{
+TEST(BlockTree, AppendsAndHoldsNothingWhenEmpty) {
   const float center[] = {0.0f, 0.0f, 0.0f};
   std::vector<std::uint32_t> found = {99};
   BlockTree().blocksInBall(center, 10.0f, found);
@@ -117,8 +108,7 @@ TEST(BlockTree, AppendsAndHoldsNothingWhenEmpty)
   EXPECT_EQ(found.front(), 99u);
 }
 
-TEST(BlockNeighborhood, AnswersAsTheTreeWithinItsRegion)
-{
+TEST(BlockNeighborhood, AnswersAsTheTreeWithinItsRegion) {
   std::mt19937 random(14);
   std::uniform_real_distribution<float> place(-0.4f, 0.4f), size(0.001f, 0.1f);
   const auto boxes = randomBoxes(3000, random);
@@ -143,8 +133,7 @@ TEST(BlockNeighborhood, AnswersAsTheTreeWithinItsRegion)
   }
 }
 
-TEST(BlockTree, AStoresBlocksHoldTheirPoints)
-{
+TEST(BlockTree, AStoresBlocksHoldTheirPoints) {
   const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kBumpy, 3001, 0.0);
   const PointStore store = pcl_slim_test::storeOf(cloud);
   std::mt19937 random(15);

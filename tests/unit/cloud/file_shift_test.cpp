@@ -11,8 +11,7 @@
 namespace pcl_slim {
 namespace {
 
-TEST(FileShift, IsZeroUnlessTheCloudIsFarAway)
-{
+TEST(FileShift, IsZeroUnlessTheCloudIsFarAway) {
   const std::array<double, 3> none{};
   EXPECT_EQ(fileShift({-1, -1, -1}, {1, 1, 1}), none);
   EXPECT_EQ(fileShift({500, 0, 0}, {502, 2, 1}), none);
@@ -23,8 +22,7 @@ TEST(FileShift, IsZeroUnlessTheCloudIsFarAway)
   EXPECT_EQ(std::fmod(shift[0], 512), 0.0) << "four times the diagonal of 116, rounded up";
 }
 
-TEST(FileShift, IsThatOfTheStoreWhateverIsTakenFromIt)
-{
+TEST(FileShift, IsThatOfTheStoreWhateverIsTakenFromIt) {
   std::vector<double> xyz;
   for (int i = 0; i < 400; ++i)
     xyz.insert(xyz.end(), {3e5 + i % 20, 5e6 + 2 * (i / 20), 100 + 0.1 * (i % 7)});

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
-#include "support/lab/sensor.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "support/clouds.h"
+#include "support/lab/sensor.h"
 
 namespace pcl_slim {
 namespace {
@@ -27,16 +27,14 @@ struct Frames {
   std::vector<double> sensors;
   std::vector<std::uint32_t> numbers;
 
-  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, std::uint32_t number)
-  {
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, std::uint32_t number) {
     cloud.add(point[0], point[1], point[2]);
     sensors.insert(sensors.end(), sensor.data(), sensor.data() + 3);
     numbers.push_back(number);
   }
 
   /** Adds a frame of a camera that is off by an angle. */
-  void add(const measure::SensorScan& scan, double angle)
-  {
+  void add(const measure::SensorScan& scan, double angle) {
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     const Eigen::Vector3d middle(0, 0, 2);
@@ -49,8 +47,7 @@ struct Frames {
           turned(Eigen::Map<const Eigen::Vector3d>(scan.sensor.data())), number);
   }
 
-  Frames shuffled() const
-  {
+  Frames shuffled() const {
     std::vector<std::size_t> order(cloud.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::mt19937_64 random(5);
@@ -62,8 +59,7 @@ struct Frames {
     return other;
   }
 
-  PointStore store(int threads = 1, Known known = Known::kSensors) const
-  {
+  PointStore store(int threads = 1, Known known = Known::kSensors) const {
     CloudView view = cloud.view();
     if (known == Known::kSensors) {
       view.sensors = sensors.data();
@@ -77,37 +73,28 @@ struct Frames {
   }
 };
 
-measure::SensorScan
-frameOf(const char* solids, const measure::DepthCamera& camera, int number)
-{
+measure::SensorScan frameOf(const char* solids, const measure::DepthCamera& camera, int number) {
   return scanByCamera(measure::namedSolids(solids), camera, static_cast<std::uint64_t>(3 + number));
 }
 
-Frames
-framesOf(const char* solids, const measure::DepthCamera& camera, int count)
-{
+Frames framesOf(const char* solids, const measure::DepthCamera& camera, int count) {
   Frames frames;
   for (int i = 0; i < count; ++i) frames.add(frameOf(solids, camera, i), 0.001 * i);
   return frames;
 }
 
-NoiseLevel
-recognized(const PointStore& store, int threads = 1)
-{
+NoiseLevel recognized(const PointStore& store, int threads = 1) {
   const detail::NoiseConstants constants;
   return recognizeFrameNoise(store, measureNoise(store, constants, threads), constants, threads);
 }
 
-measure::DepthCamera
-wideWindows()
-{
+measure::DepthCamera wideWindows() {
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = 7;
   return camera;
 }
 
-TEST(FrameNoise, IsThatOfItsFrames)
-{
+TEST(FrameNoise, IsThatOfItsFrames) {
   for (const char* solids : {"room", "balls"}) {
     double variance = 0, correlation = 0;
     for (int count = 1; count <= 3; ++count) {
@@ -131,8 +118,7 @@ TEST(FrameNoise, IsThatOfItsFrames)
   }
 }
 
-TEST(FrameNoise, NumbersSayTheSameAsSensors)
-{
+TEST(FrameNoise, NumbersSayTheSameAsSensors) {
   const Frames frames = framesOf("room", wideWindows(), 3);
   const NoiseLevel seen = recognized(frames.store());
   for (const PointStore& store :
@@ -144,8 +130,7 @@ TEST(FrameNoise, NumbersSayTheSameAsSensors)
   }
 }
 
-TEST(FrameNoise, NumbersSeparateTheFramesOfOnePlace)
-{
+TEST(FrameNoise, NumbersSeparateTheFramesOfOnePlace) {
   Frames frames;
   for (int i = 0; i < 2; ++i) frames.add(frameOf("room", wideWindows(), i), 0);
   const double one = recognized(framesOf("room", wideWindows(), 1).store()).correlation;
@@ -157,8 +142,7 @@ TEST(FrameNoise, NumbersSeparateTheFramesOfOnePlace)
   EXPECT_NEAR(numbered.correlation / one, 1, 0.2);
 }
 
-TEST(FrameNoise, NumbersStayWithTheirPoints)
-{
+TEST(FrameNoise, NumbersStayWithTheirPoints) {
   const Frames frames = framesOf("balls", measure::DepthCamera(), 2);
   PointStore store = frames.store(1, Known::kNumbers);
   const auto expectTheirs = [&](const PointStore& part) {
@@ -174,8 +158,7 @@ TEST(FrameNoise, NumbersStayWithTheirPoints)
   expectTheirs(store);
 }
 
-TEST(FrameNoise, DoesNotDependOnOrderOrThreads)
-{
+TEST(FrameNoise, DoesNotDependOnOrderOrThreads) {
   const Frames frames = framesOf("hall", wideWindows(), 2);
   const NoiseLevel noise = recognized(frames.store());
   for (const NoiseLevel& other :
@@ -186,8 +169,7 @@ TEST(FrameNoise, DoesNotDependOnOrderOrThreads)
   }
 }
 
-TEST(FrameNoise, FramesThatRoundAlikeShareTheirErrors)
-{
+TEST(FrameNoise, FramesThatRoundAlikeShareTheirErrors) {
   measure::DepthCamera camera;
   camera.sigma = 0;
   camera.step = 0.125;
@@ -196,8 +178,7 @@ TEST(FrameNoise, FramesThatRoundAlikeShareTheirErrors)
   EXPECT_NEAR(two.correlation / one.correlation, 2, 0.4);
 }
 
-TEST(FrameNoise, WhiteNoiseIsThatOfAllPoints)
-{
+TEST(FrameNoise, WhiteNoiseIsThatOfAllPoints) {
   const measure::DepthCamera camera;
   const PointStore store = framesOf("room", camera, 2).store();
   const detail::NoiseConstants constants;
@@ -206,8 +187,7 @@ TEST(FrameNoise, WhiteNoiseIsThatOfAllPoints)
   EXPECT_EQ(found.variance, recognizeSharedNoise(store, white, constants, 1).variance);
 }
 
-TEST(FrameNoise, APlaceForEveryPointIsNoFrame)
-{
+TEST(FrameNoise, APlaceForEveryPointIsNoFrame) {
   Frames path;
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 0.01);
@@ -216,10 +196,9 @@ TEST(FrameNoise, APlaceForEveryPointIsNoFrame)
   EXPECT_EQ(recognized(path.store()).frames, 0U);
 }
 
-/** A plate two spacings thick: its upper face is seen from above, its lower one from another height. */
-Frames
-plateSeenFrom(double below)
-{
+/** A plate two spacings thick: its upper face is seen from above, its lower one from another
+ * height. */
+Frames plateSeenFrom(double below) {
   Frames frames;
   std::mt19937_64 random(3);
   std::normal_distribution<double> noise(0, 0.002);
@@ -231,8 +210,7 @@ plateSeenFrom(double below)
   return frames;
 }
 
-TEST(FrameNoise, PlacesSeenFromOneDirectionHaveOneSide)
-{
+TEST(FrameNoise, PlacesSeenFromOneDirectionHaveOneSide) {
   const auto thin = [](const PointStore& store) {
     const detail::ThinPlaces places = detail::findThinPlaces(store, {}, {}, 1);
     return places.share + places.facing + places.near;

@@ -16,16 +16,13 @@ namespace {
 using namespace pcl_slim_test;
 
 /** What float offsets within a block, up to half the box long, may change in a squared distance. */
-double
-slack(double distance_sq)
-{
+double slack(double distance_sq) {
   return 3e-6 * distance_sq + 2e-7 * std::sqrt(distance_sq) + 1e-14;
 }
 
 /** Compares every step-th query among every stride-th point with sorted distances of all pairs. */
-void
-expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::size_t stride = 1)
-{
+void expectBruteForce(const PointStore& store, std::size_t k, std::size_t step,
+                      std::size_t stride = 1) {
   NeighborSearch search(store, stride);
   std::vector<std::uint32_t> neighbors;
   std::vector<float> distances_sq;
@@ -76,8 +73,7 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
   }
 }
 
-TEST(KthSmallest, IsWhatSortingFinds)
-{
+TEST(KthSmallest, IsWhatSortingFinds) {
   std::mt19937 random(9);
   std::uniform_real_distribution<float> exponent(-30, 5);
   for (const std::size_t n : {1u, 2u, 7u, 8u, 9u, 31u, 700u}) {
@@ -99,15 +95,13 @@ TEST(KthSmallest, IsWhatSortingFinds)
     ASSERT_EQ(detail::kernels::kthSmallest(even.data(), even.size(), k), sorted[k - 1]) << k;
 }
 
-TEST(NeighborSearch, OnASurface)
-{
+TEST(NeighborSearch, OnASurface) {
   const PointStore store =
       storeOf(pcl_slim_test::sceneCloud(measure::Shape::kTorus, 3000, 0.002).withoutNormals());
   for (const std::size_t k : {1, 2, 10, 16, 17, 100}) expectBruteForce(store, k, 17);
 }
 
-TEST(NeighborSearch, AmongSomeOfThePoints)
-{
+TEST(NeighborSearch, AmongSomeOfThePoints) {
   const PointStore store =
       storeOf(pcl_slim_test::sceneCloud(measure::Shape::kTorus, 3001, 0.01).withoutNormals());
   for (const std::size_t stride : {2, 3, 16, 64}) {
@@ -115,8 +109,7 @@ TEST(NeighborSearch, AmongSomeOfThePoints)
   }
 }
 
-TEST(NeighborSearch, OnALineAndOnAGridWithTies)
-{
+TEST(NeighborSearch, OnALineAndOnAGridWithTies) {
   Cloud line, grid;
   for (int i = 0; i < 700; ++i) line.add(3.0 * i, -2.0 * i, 0.5 * i);
   for (int x = 0; x < 27; ++x) {
@@ -128,8 +121,7 @@ TEST(NeighborSearch, OnALineAndOnAGridWithTies)
   }
 }
 
-TEST(NeighborSearch, BetweenClustersFarApart)
-{
+TEST(NeighborSearch, BetweenClustersFarApart) {
   Cloud cloud;
   std::mt19937_64 random(21);
   std::normal_distribution<double> normal;
@@ -141,8 +133,7 @@ TEST(NeighborSearch, BetweenClustersFarApart)
   for (const std::size_t k : {8, 299, 310, 600}) expectBruteForce(storeOf(cloud), k, 41);
 }
 
-TEST(NeighborSearch, AmongMergedCopiesAndTooFewPoints)
-{
+TEST(NeighborSearch, AmongMergedCopiesAndTooFewPoints) {
   Cloud few, copies;
   for (int i = 0; i < 5; ++i) few.add(i, i * i, 1.0);
   std::mt19937_64 random(22);
@@ -157,8 +148,7 @@ TEST(NeighborSearch, AmongMergedCopiesAndTooFewPoints)
   expectBruteForce(store, 10, 1);
 }
 
-TEST(NeighborSearch, OfOnePointAndOfNone)
-{
+TEST(NeighborSearch, OfOnePointAndOfNone) {
   Cloud cloud;
   cloud.add(1.0, 2.0, 3.0);
   expectBruteForce(storeOf(cloud), 5, 1);

@@ -14,9 +14,7 @@ namespace {
 using Values = AlignedVector<std::uint64_t>;
 
 /** Numbers of so many bits, drawn so that their leading bits are shared by many or by few. */
-Values
-numbers(std::size_t count, int bits, int shared_bits)
-{
+Values numbers(std::size_t count, int bits, int shared_bits) {
   std::mt19937_64 random(count + static_cast<std::size_t>(bits));
   Values values(count);
   for (auto& v : values) v = random() >> (64 - bits) >> (random() % 3 == 0 ? 0 : shared_bits);
@@ -24,9 +22,7 @@ numbers(std::size_t count, int bits, int shared_bits)
 }
 
 /** Sorts by a comparison of bits from low on, and by sortByBits. */
-void
-expectSorted(const Values& values, int low, int high)
-{
+void expectSorted(const Values& values, int low, int high) {
   Values expected = values;
   std::stable_sort(expected.begin(), expected.end(),
                    [low](std::uint64_t a, std::uint64_t b) { return a >> low < b >> low; });
@@ -37,8 +33,7 @@ expectSorted(const Values& values, int low, int high)
   }
 }
 
-TEST(SortByBits, AgreesWithAStableSort)
-{
+TEST(SortByBits, AgreesWithAStableSort) {
   for (const std::size_t count : {0u, 1u, 2u, 40u, 1000u, 30000u, 200000u}) {
     for (const int bits : {1, 9, 33, 64}) {
       for (const int low : {0, 7, 20}) {
@@ -49,8 +44,7 @@ TEST(SortByBits, AgreesWithAStableSort)
 }
 
 /** Keys that share leading bits with few, with many, and wholly. */
-TEST(SortByKey, AgreesWithAStableSort)
-{
+TEST(SortByKey, AgreesWithAStableSort) {
   for (const std::size_t count : {0u, 1u, 2u, 100u, 5000u, 150000u}) {
     for (const int shared_bits : {0, 20, 45, 60}) {
       Values keys = numbers(count, 63, shared_bits);
@@ -70,8 +64,7 @@ TEST(SortByKey, AgreesWithAStableSort)
   }
 }
 
-TEST(SortByLeadingBits, AgreesWithAStableSortOfThoseBits)
-{
+TEST(SortByLeadingBits, AgreesWithAStableSortOfThoseBits) {
   for (const std::size_t count : {0u, 1u, 2u, 100u, 5000u, 20000u, 300000u}) {
     for (const int shared_bits : {0, 20, 45, 60}) {
       const Values keys = numbers(count, 63, shared_bits);
@@ -91,8 +84,7 @@ TEST(SortByLeadingBits, AgreesWithAStableSortOfThoseBits)
   }
 }
 
-TEST(SortByBits, EqualAndOrderedNumbersStay)
-{
+TEST(SortByBits, EqualAndOrderedNumbersStay) {
   expectSorted(Values(50000, 77), 0, 40);
   Values rising(50000);
   for (std::size_t i = 0; i < rising.size(); ++i) rising[i] = i << 13;
@@ -101,8 +93,7 @@ TEST(SortByBits, EqualAndOrderedNumbersStay)
   expectSorted(rising, 3, 40);
 }
 
-TEST(SortByBits, AllInOneBucketIsNoWorse)
-{
+TEST(SortByBits, AllInOneBucketIsNoWorse) {
   // Leading bits equal, as where one far point stretches a grid.
   Values values = numbers(100000, 12, 0);
   values[500] |= std::uint64_t{1} << 43;

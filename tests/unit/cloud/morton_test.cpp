@@ -15,9 +15,7 @@ using namespace detail;
 
 namespace {
 
-std::uint64_t
-bitByBit(const std::uint64_t (&cells)[3])
-{
+std::uint64_t bitByBit(const std::uint64_t (&cells)[3]) {
   std::uint64_t code = 0;
   for (int bit = kMortonBits - 1; bit >= 0; --bit) {
     for (const std::uint64_t cell : cells) code = code << 1 | (cell >> bit & 1u);
@@ -25,8 +23,7 @@ bitByBit(const std::uint64_t (&cells)[3])
   return code;
 }
 
-TEST(Morton, InterleavesBits)
-{
+TEST(Morton, InterleavesBits) {
   std::mt19937_64 random(3);
   for (int k = 0; k < 1000; ++k) {
     std::uint64_t cells[3];
@@ -40,8 +37,7 @@ TEST(Morton, InterleavesBits)
 }
 
 /** On the rims of cells, at the box's faces and beyond them too. */
-TEST(Morton, BatchesAgreeWithSinglePoints)
-{
+TEST(Morton, BatchesAgreeWithSinglePoints) {
   const double origin[3] = {3.0, -7.0, 0.125}, inverse_scale = 0.25;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-0.5, 0.5);

@@ -16,14 +16,11 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** sqrt(lambda) in world units. */
-double
-noiseOf(const PointStore& store, NoiseEstimator estimator = NoiseEstimator::kCubicResidual)
-{
+double noiseOf(const PointStore& store, NoiseEstimator estimator = NoiseEstimator::kCubicResidual) {
   return std::sqrt(estimateNoise(store, estimator, 1)) * store.scale();
 }
 
-TEST(NoiseLevel, IsWithinATenthOfTheTruth)
-{
+TEST(NoiseLevel, IsWithinATenthOfTheTruth) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0001, 0.0005, 0.002, 0.005}) {
       for (const bool normals : {false, true}) {
@@ -37,8 +34,7 @@ TEST(NoiseLevel, IsWithinATenthOfTheTruth)
   }
 }
 
-TEST(NoiseLevel, OfCleanDataIsNothing)
-{
+TEST(NoiseLevel, OfCleanDataIsNothing) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
     const auto scene = measure::makeScene(shape, 20000, 0.0, 0.0, 7);
     const Cloud cloud = {scene.points, {}};
@@ -47,8 +43,7 @@ TEST(NoiseLevel, OfCleanDataIsNothing)
   }
 }
 
-TEST(NoiseLevel, SeesTheStepsOfARangeSensor)
-{
+TEST(NoiseLevel, SeesTheStepsOfARangeSensor) {
   // A tilted plane whose heights are multiples of a step: an error spread evenly over one step.
   const double step = 0.004;
   const Cloud cloud = pcl_slim_test::heightField(20000, 31, [&](double x, double y) {
@@ -58,8 +53,7 @@ TEST(NoiseLevel, SeesTheStepsOfARangeSensor)
   EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.2);
 }
 
-TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing)
-{
+TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing) {
   // 40000 points on 4 square units lie .01 apart; the sheet is ten times thicker.
   std::mt19937_64 random(32);
   std::normal_distribution<double> normal;
@@ -69,15 +63,13 @@ TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing)
   EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.15);
 }
 
-TEST(NoiseLevel, IsNotTheThicknessOfABody)
-{
+TEST(NoiseLevel, IsNotTheThicknessOfABody) {
   // A ring whose tube is four deviations thick to either side: patches of five hold its far side.
   const double sigma = 0.06;
   EXPECT_NEAR(noiseOf(storeOf(thickRing(40000, 0.26, sigma, 35))) / sigma, 1.0, 0.1);
 }
 
-TEST(NoiseLevel, PutsBackWhatABallCutsOff)
-{
+TEST(NoiseLevel, PutsBackWhatABallCutsOff) {
   // A plane's noise in patches of three deviations, and of many.
   const double sigma = 0.05;
   std::mt19937_64 random(36);
@@ -92,8 +84,7 @@ TEST(NoiseLevel, PutsBackWhatABallCutsOff)
   EXPECT_LT(level.patch_radius * store.scale(), 4 * sigma);
 }
 
-TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise)
-{
+TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise) {
   // A tetrahedron of tetrahedra of ... (Sierpinski's): the wider a patch, the farther its points
   // lie from any cubic. A patch of 20 points has a radius of .02.
   Cloud cloud;
@@ -111,8 +102,7 @@ TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise)
   EXPECT_LT(noise, 0.25 * 0.02);
 }
 
-TEST(NoiseLevel, IgnoresAFewOutliers)
-{
+TEST(NoiseLevel, IgnoresAFewOutliers) {
   const auto scene = measure::makeScene(Shape::kTorus, 20000, 0.001, 0.0, 7);
   Cloud cloud = {scene.points, {}};
   std::mt19937_64 random(34);
@@ -121,8 +111,7 @@ TEST(NoiseLevel, IgnoresAFewOutliers)
   EXPECT_NEAR(noiseOf(storeOf(cloud)) / (0.001 * scene.diagonal), 1.0, 0.2);
 }
 
-TEST(NoiseLevel, OfTheFirstPaperFollowsTheNoise)
-{
+TEST(NoiseLevel, OfTheFirstPaperFollowsTheNoise) {
   double last = 0;
   for (const double noise : {0.0, 0.001, 0.002, 0.005}) {
     const auto scene = measure::makeScene(Shape::kSphere, 20000, noise, 0.0, 7);
@@ -135,8 +124,7 @@ TEST(NoiseLevel, OfTheFirstPaperFollowsTheNoise)
   }
 }
 
-TEST(NoiseLevel, IsZeroForTooFewPointsAndPositiveForTwelve)
-{
+TEST(NoiseLevel, IsZeroForTooFewPointsAndPositiveForTwelve) {
   Cloud cloud;
   std::mt19937_64 random(35);
   std::normal_distribution<double> normal;
@@ -152,8 +140,7 @@ TEST(NoiseLevel, IsZeroForTooFewPointsAndPositiveForTwelve)
   }
 }
 
-TEST(NoiseLevel, SurvivesALineAndAPlane)
-{
+TEST(NoiseLevel, SurvivesALineAndAPlane) {
   Cloud line, plane;
   for (int i = 0; i < 500; ++i) line.add(0.3 * i, 0.1 * i, -0.7 * i);
   for (int i = 0; i < 900; ++i) plane.add(i % 30, i / 30, 0.0);
@@ -169,8 +156,7 @@ TEST(NoiseLevel, SurvivesALineAndAPlane)
 }
 
 /** Patches within a face have no residual at all, and those across an edge have much. */
-TEST(NoiseLevel, OfExactPlanesIsANumber)
-{
+TEST(NoiseLevel, OfExactPlanesIsANumber) {
   for (const unsigned int seed : {3u, 11u, 12u}) {
     const Cloud cloud = boxCloud({1, 0.8, 0.6}, 12000, 0, seed);
     const PointStore store = storeOf(cloud);
@@ -181,8 +167,7 @@ TEST(NoiseLevel, OfExactPlanesIsANumber)
   }
 }
 
-TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads)
-{
+TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads) {
   for (const std::size_t count : {40, 520, 600, 777, 950, 5000}) {
     const PointStore store = storeOf(sceneCloud(Shape::kBumpy, count, 0.01));
     for (const auto estimator :
@@ -196,8 +181,7 @@ TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads)
   }
 }
 
-TEST(NoiseLevel, ProfileFollowsNoiseThatVaries)
-{
+TEST(NoiseLevel, ProfileFollowsNoiseThatVaries) {
   // A plane, four times as noisy on the right as on the left.
   std::mt19937_64 random(9);
   std::normal_distribution<double> normal;

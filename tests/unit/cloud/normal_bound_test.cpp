@@ -15,8 +15,7 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-TEST(NormalGate, KeepsFacesAtRightAnglesTogether)
-{
+TEST(NormalGate, KeepsFacesAtRightAnglesTogether) {
   Cloud cloud;
   for (int face = 0; face < 3; ++face) {
     for (int i = 0; i < 4900; ++i) {
@@ -30,8 +29,7 @@ TEST(NormalGate, KeepsFacesAtRightAnglesTogether)
   EXPECT_NEAR(normalBound(storeOf(cloud)), -0.25f, 1e-3f);
 }
 
-TEST(NormalGate, WidensWithTheErrorsOfNormals)
-{
+TEST(NormalGate, WidensWithTheErrorsOfNormals) {
   const auto bound = [](double error) {
     return normalBound(storeOf(sceneCloud(Shape::kSphere, 50000, 0.0, error)));
   };
@@ -43,16 +41,14 @@ TEST(NormalGate, WidensWithTheErrorsOfNormals)
   EXPECT_GE(bad, -0.6001f);
 }
 
-TEST(NormalGate, PointsWithBadNormalsAreProjectedToo)
-{
+TEST(NormalGate, PointsWithBadNormalsAreProjectedToo) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus}) {
     const auto f = fitted(sceneCloud(shape, 50000, 0.001, 0.3), FitParams(), true);
     EXPECT_EQ(f.projection.num_unsupported, 0u);
   }
 }
 
-TEST(NormalGate, IsNotFooledByTwoSheets)
-{
+TEST(NormalGate, IsNotFooledByTwoSheets) {
   Cloud cloud = sceneCloud(Shape::kRelief, 20000, 0.0);
   const std::size_t count = cloud.size();
   for (std::size_t i = 0; i < count; ++i) {

@@ -22,9 +22,7 @@ constexpr std::size_t kPoints = 20000;
 constexpr double kNoise = 0.005;
 
 /** A unit sphere with white noise, then points spread evenly over a box about it. */
-Cloud
-sphereAmongOutliers(double share)
-{
+Cloud sphereAmongOutliers(double share) {
   Cloud cloud;
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
@@ -42,25 +40,20 @@ sphereAmongOutliers(double share)
   return cloud;
 }
 
-double
-offSphere(const Cloud& cloud, std::size_t i)
-{
+double offSphere(const Cloud& cloud, std::size_t i) {
   const double* p = &cloud.points[3 * i];
   return std::abs(std::hypot(p[0], p[1], p[2]) - 1);
 }
 
 /** Input points that are outliers. */
-std::set<std::size_t>
-outliersOf(const Cloud& cloud, int threads = 1)
-{
+std::set<std::size_t> outliersOf(const Cloud& cloud, int threads = 1) {
   const PointStore store = storeOf(cloud, threads);
   std::set<std::size_t> found;
   for (const std::uint32_t i : findOutliers(store, threads)) found.insert(store.orderOfStore()[i]);
   return found;
 }
 
-TEST(Outliers, ScatteredPointsAreFoundAndPointsOfTheSurfaceAreNot)
-{
+TEST(Outliers, ScatteredPointsAreFoundAndPointsOfTheSurfaceAreNot) {
   const double spacing = std::sqrt(4 * M_PI / kPoints);
   for (const double share : {0.01, 0.05, 0.1, 0.2}) {
     const Cloud cloud = sphereAmongOutliers(share);
@@ -82,8 +75,7 @@ TEST(Outliers, ScatteredPointsAreFoundAndPointsOfTheSurfaceAreNot)
   }
 }
 
-TEST(Outliers, CleanCloudsHaveNextToNone)
-{
+TEST(Outliers, CleanCloudsHaveNextToNone) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
     for (const double noise : {0.0, 0.001, 0.01}) {
       EXPECT_LE(outliersOf(sceneCloud(shape, 20000, noise)).size(), 5u)
@@ -92,8 +84,7 @@ TEST(Outliers, CleanCloudsHaveNextToNone)
   }
 }
 
-TEST(Outliers, UnevenDensityAndScanLinesAreNoReason)
-{
+TEST(Outliers, UnevenDensityAndScanLinesAreNoReason) {
   // A plane scanned from one of its corners: rings whose spacing grows a hundredfold.
   Cloud rings;
   std::mt19937_64 random(5);
@@ -108,8 +99,7 @@ TEST(Outliers, UnevenDensityAndScanLinesAreNoReason)
   EXPECT_TRUE(outliersOf(rings).empty());
 }
 
-TEST(Outliers, TurnedShuffledAndScaledCloudsHaveTheSame)
-{
+TEST(Outliers, TurnedShuffledAndScaledCloudsHaveTheSame) {
   const Cloud cloud = sphereAmongOutliers(0.1);
   const auto found = outliersOf(cloud);
   std::vector<std::size_t> order(cloud.size());
@@ -129,8 +119,7 @@ TEST(Outliers, TurnedShuffledAndScaledCloudsHaveTheSame)
   EXPECT_LE(static_cast<double>(differ.size()), 0.03 * static_cast<double>(found.size()));
 }
 
-TEST(Outliers, AreTheSameForAnyNumberOfThreads)
-{
+TEST(Outliers, AreTheSameForAnyNumberOfThreads) {
   const Cloud cloud = sphereAmongOutliers(0.05);
   const auto found = outliersOf(cloud);
   EXPECT_FALSE(found.empty());
@@ -138,8 +127,7 @@ TEST(Outliers, AreTheSameForAnyNumberOfThreads)
   EXPECT_EQ(outliersOf(cloud, 3), found);
 }
 
-TEST(Outliers, FewOrEqualPointsHaveNone)
-{
+TEST(Outliers, FewOrEqualPointsHaveNone) {
   Cloud few;
   for (int i = 0; i < 40; ++i) few.add(i, i % 7, i == 39 ? 1000 : i % 3);
   EXPECT_TRUE(outliersOf(few).empty());
@@ -148,8 +136,7 @@ TEST(Outliers, FewOrEqualPointsHaveNone)
   EXPECT_TRUE(outliersOf(equal).empty());
 }
 
-TEST(PointStoreWithout, KeepsTheOthersAndTheirOrder)
-{
+TEST(PointStoreWithout, KeepsTheOthersAndTheirOrder) {
   Cloud cloud = sceneCloud(Shape::kBumpy, 1000, 0.001);
   for (int i = 0; i < 20; ++i)
     cloud.add({cloud.points[60 * i], cloud.points[60 * i + 1], cloud.points[60 * i + 2]},

@@ -17,9 +17,7 @@ using namespace detail;
 namespace {
 
 /** A bent and noisy sheet about the origin, turned. */
-Patch
-bentPatch(std::size_t count, double noise, double bend = 1)
-{
+Patch bentPatch(std::size_t count, double noise, double bend = 1) {
   std::mt19937_64 random(count);
   std::uniform_real_distribution<double> u(-1, 1);
   std::normal_distribution<double> gauss(0, noise);
@@ -37,8 +35,7 @@ bentPatch(std::size_t count, double noise, double bend = 1)
   return patch;
 }
 
-TEST(Patch, AxesAreThoseOfTheCovariance)
-{
+TEST(Patch, AxesAreThoseOfTheCovariance) {
   for (const std::size_t count : {4u, 7u, 8u, 33u, 320u}) {
     const Patch patch = bentPatch(count, 0.01);
     Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(count));
@@ -51,8 +48,7 @@ TEST(Patch, AxesAreThoseOfTheCovariance)
   }
 }
 
-TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves)
-{
+TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves) {
   for (const std::size_t count : {12u, 20u, 45u, 320u}) {
     const Patch patch = bentPatch(count, 0.02);
     PatchCubic cubic;
@@ -74,11 +70,9 @@ TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves)
   }
 }
 
-/** Variance of heights of a plane's noise, 1, in a ball about a point of it: the mean over the point's own
- * height, and at each height as many points as the ball's disc there is wide. */
-double
-varianceInBall(double radius)
-{
+/** Variance of heights of a plane's noise, 1, in a ball about a point of it: the mean over the
+ * point's own height, and at each height as many points as the ball's disc there is wide. */
+double varianceInBall(double radius) {
   constexpr double kStep = 0.01, kFar = 6;
   double all = 0, weights = 0;
   for (double own = -4; own <= 4; own += 0.05) {
@@ -95,8 +89,7 @@ varianceInBall(double radius)
   return all / weights;
 }
 
-TEST(Patch, WhatABallCutsOffIsPutBack)
-{
+TEST(Patch, WhatABallCutsOffIsPutBack) {
   for (const double radius : {2.2, 2.5, 3.0, 4.0, 6.0, 10.0}) {
     const double left = varianceInBall(radius);
     EXPECT_LT(left, 1 - 1 / (radius * radius));
@@ -108,8 +101,7 @@ TEST(Patch, WhatABallCutsOffIsPutBack)
   for (const double variance : variances) EXPECT_NEAR(std::sqrt(variance), 1, 0.01);
 }
 
-TEST(Patch, KeepsTheSheetOfItsSample)
-{
+TEST(Patch, KeepsTheSheetOfItsSample) {
   Patch patch = bentPatch(100, 0.001, 0.1);
   const std::size_t own = patch.points.size();
   const Eigen::Vector3d apart = 0.5 * principalAxes(patch.points).eigenvectors().col(0);

@@ -17,8 +17,7 @@ using namespace pcl_slim_test;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-TEST(PointStore, SkipsAndCountsWhatIsNotFinite)
-{
+TEST(PointStore, SkipsAndCountsWhatIsNotFinite) {
   Cloud cloud = surveyCloud(100);
   cloud.points[3 * 10] = kNan;
   cloud.points[3 * 20 + 1] = kInf;
@@ -35,8 +34,7 @@ TEST(PointStore, SkipsAndCountsWhatIsNotFinite)
   EXPECT_LT(largestOffset(cloud, store), 1e-7);
 }
 
-TEST(PointStore, DropsAndCountsPointsWhoseNormalIsMissing)
-{
+TEST(PointStore, DropsAndCountsPointsWhoseNormalIsMissing) {
   Cloud cloud = surveyCloud(100);
   cloud.normals.assign(300, 0.6f);
   for (const std::size_t i : {5u, 50u})
@@ -54,8 +52,7 @@ TEST(PointStore, DropsAndCountsPointsWhoseNormalIsMissing)
   }
 }
 
-TEST(PointStore, OneFarPointLeavesTheOthersTheirUnits)
-{
+TEST(PointStore, OneFarPointLeavesTheOthersTheirUnits) {
   const Cloud near = surveyCloud(500);
   const PointStore expected = storeOf(near);
   for (const double distance : {1e7, 1e9, 1e20, 1e38}) {
@@ -70,8 +67,7 @@ TEST(PointStore, OneFarPointLeavesTheOthersTheirUnits)
   }
 }
 
-TEST(PointStore, PointsAcrossAWideSurveyAreNoStrays)
-{
+TEST(PointStore, PointsAcrossAWideSurveyAreNoStrays) {
   // Half of the points on an object a metre wide, the others along ten kilometres.
   Cloud cloud = surveyCloud(0);
   for (int i = 0; i < 2000; ++i) {
@@ -84,8 +80,7 @@ TEST(PointStore, PointsAcrossAWideSurveyAreNoStrays)
   EXPECT_EQ(store.size(), 2000u);
 }
 
-TEST(PointStore, NormalsThatAreAllMissingCountAsNone)
-{
+TEST(PointStore, NormalsThatAreAllMissingCountAsNone) {
   Cloud cloud = surveyCloud(50);
   cloud.normals.assign(150, 0.0f);
   const PointStore store = storeOf(cloud);
@@ -94,8 +89,7 @@ TEST(PointStore, NormalsThatAreAllMissingCountAsNone)
   EXPECT_EQ(store.statistics().without_normal, 0u);
 }
 
-TEST(PointStore, SmallestNormalsAreMadeUnit)
-{
+TEST(PointStore, SmallestNormalsAreMadeUnit) {
   Cloud cloud = surveyCloud(20);
   for (std::size_t i = 0; i < 20; ++i)
     cloud.normals.insert(cloud.normals.end(), {0.0f, 3e-11f, 4e-11f});
@@ -106,8 +100,7 @@ TEST(PointStore, SmallestNormalsAreMadeUnit)
   EXPECT_NEAR(n[2], 0.8f, 1e-6);
 }
 
-TEST(PointStore, MergesCopies)
-{
+TEST(PointStore, MergesCopies) {
   Cloud cloud = surveyCloud(500);
   const auto once = cloud.points;
   for (int copy = 0; copy < 3; ++copy) {
@@ -125,8 +118,7 @@ TEST(PointStore, MergesCopies)
   EXPECT_LT(largestOffset(cloud, store), 1e-7);
 }
 
-TEST(PointStore, MergedPointsHaveTheirMeanNormal)
-{
+TEST(PointStore, MergedPointsHaveTheirMeanNormal) {
   Cloud cloud = surveyCloud(20);
   for (int i = 0; i < 20; ++i) cloud.normals.insert(cloud.normals.end(), {0.0f, 0.0f, 1.0f});
   const std::array<double, 3> again = {cloud.points[0], cloud.points[1], cloud.points[2]};
@@ -139,8 +131,7 @@ TEST(PointStore, MergedPointsHaveTheirMeanNormal)
   EXPECT_NEAR(n[2], std::sqrt(0.5), 1e-6);
 }
 
-TEST(PointStore, AThousandEqualPointsAmongOthersAreOne)
-{
+TEST(PointStore, AThousandEqualPointsAmongOthersAreOne) {
   Cloud cloud = surveyCloud(300);
   for (int i = 0; i < 1000; ++i) cloud.add(432500.125, 5412500.25, 333.5);
   const PointStore store = storeOf(cloud);
@@ -148,8 +139,7 @@ TEST(PointStore, AThousandEqualPointsAmongOthersAreOne)
   EXPECT_EQ(store.statistics().duplicates, 999u);
 }
 
-TEST(PointStore, HoldsOnePlace)
-{
+TEST(PointStore, HoldsOnePlace) {
   for (const int copies : {1, 1000}) {
     Cloud cloud;
     for (int i = 0; i < copies; ++i) cloud.add(432500.125, -5412500.25, 0.0);
@@ -163,8 +153,7 @@ TEST(PointStore, HoldsOnePlace)
   }
 }
 
-TEST(PointStore, MapsBothWays)
-{
+TEST(PointStore, MapsBothWays) {
   Cloud cloud = surveyCloud(5000);
   for (std::size_t i = 0; i < 5000; i += 7) cloud.points[3 * i] = kNan;
   for (std::size_t i = 1; i < 5000; i += 11) {
@@ -186,8 +175,7 @@ TEST(PointStore, MapsBothWays)
   }
 }
 
-TEST(PointStore, TakesOnlyThePointsAskedFor)
-{
+TEST(PointStore, TakesOnlyThePointsAskedFor) {
   const Cloud cloud = surveyCloud(1000);
   std::vector<std::int32_t> indices;
   for (std::int32_t i = 999; i >= 0; i -= 3) indices.push_back(i);
@@ -207,8 +195,7 @@ TEST(PointStore, TakesOnlyThePointsAskedFor)
   }
 }
 
-TEST(PointStore, RefusesIndicesOutsideTheCloud)
-{
+TEST(PointStore, RefusesIndicesOutsideTheCloud) {
   const Cloud cloud = surveyCloud(10);
   for (const std::int32_t wrong : {-1, 10, 2000000000}) {
     const std::int32_t indices[] = {0, wrong, 3};
@@ -222,8 +209,7 @@ TEST(PointStore, RefusesIndicesOutsideTheCloud)
   }
 }
 
-TEST(PointStore, RefusesNothing)
-{
+TEST(PointStore, RefusesNothing) {
   EXPECT_FALSE(PointStore::build(CloudView(), 1));
   EXPECT_FALSE(PointStore::build(Cloud().view(), 1));
   Cloud cloud;
@@ -241,8 +227,7 @@ TEST(PointStore, RefusesNothing)
 }
 
 /** Repeated points leave the others' normals as they are, to the last bit, and their own. */
-TEST(PointStore, PointsGivenAgainChangeNoNormal)
-{
+TEST(PointStore, PointsGivenAgainChangeNoNormal) {
   std::mt19937_64 random(8);
   std::normal_distribution<double> normal;
   Cloud once;
@@ -266,8 +251,7 @@ TEST(PointStore, PointsGivenAgainChangeNoNormal)
   }
 }
 
-TEST(PointStore, RefusesCoordinatesThatNoBoxCanHold)
-{
+TEST(PointStore, RefusesCoordinatesThatNoBoxCanHold) {
   Cloud cloud;  // half of the points at either end: neither are strays
   for (int i = 0; i < 10; ++i) cloud.add(i % 2 == 0 ? 1.7e308 : -1.7e308, 0.1 * i, 0.0);
   const auto store = PointStore::build(cloud.view(), 1);

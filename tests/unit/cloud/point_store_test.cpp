@@ -18,16 +18,13 @@ using namespace pcl_slim_test;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /** Coordinate of a Morton code's cell: every third bit from the one given on. */
-double
-cellOf(std::uint64_t key, int axis)
-{
+double cellOf(std::uint64_t key, int axis) {
   std::uint64_t cell = 0;
   for (int bit = 0; bit < 21; ++bit) cell |= (key >> (3 * bit + 2 - axis) & 1u) << bit;
   return static_cast<double>(cell);
 }
 
-TEST(PointStore, KeepsSurveyCoordinatesToABillionthOfTheDiagonal)
-{
+TEST(PointStore, KeepsSurveyCoordinatesToABillionthOfTheDiagonal) {
   const Cloud cloud = surveyCloud(20000);
   const PointStore store = storeOf(cloud);
   ASSERT_EQ(store.size(), 20000u);
@@ -42,8 +39,7 @@ TEST(PointStore, KeepsSurveyCoordinatesToABillionthOfTheDiagonal)
   EXPECT_LT(std::sqrt(sum / 20000), 1e-9);
 }
 
-TEST(PointStore, ScaleIsAPowerOfTwoAndTheBoxFits)
-{
+TEST(PointStore, ScaleIsAPowerOfTwoAndTheBoxFits) {
   for (const double size : {1e-9, 0.003, 1.0, 77.7, 4e6}) {
     Cloud cloud = surveyCloud(500);
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -60,8 +56,7 @@ TEST(PointStore, ScaleIsAPowerOfTwoAndTheBoxFits)
   }
 }
 
-TEST(PointStore, StandsInMortonOrder)
-{
+TEST(PointStore, StandsInMortonOrder) {
   const PointStore store = storeOf(surveyCloud(20000));
   const std::uint64_t* keys = store.keys();
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -75,8 +70,7 @@ TEST(PointStore, StandsInMortonOrder)
   }
 }
 
-TEST(PointStore, AFarOutlierCostsTheClusterNothing)
-{
+TEST(PointStore, AFarOutlierCostsTheClusterNothing) {
   Cloud cloud;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -89,8 +83,7 @@ TEST(PointStore, AFarOutlierCostsTheClusterNothing)
   EXPECT_LT(largestOffset(cloud, store), 1e-7);
 }
 
-TEST(PointStore, AnOutlierThatStaysCostsTheClusterLittle)
-{
+TEST(PointStore, AnOutlierThatStaysCostsTheClusterLittle) {
   Cloud cloud;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -108,8 +101,7 @@ TEST(PointStore, AnOutlierThatStaysCostsTheClusterLittle)
   }
 }
 
-TEST(PointStore, FloatAndDoubleInputAgree)
-{
+TEST(PointStore, FloatAndDoubleInputAgree) {
   Cloud cloud = surveyCloud(3000);
   for (double& value : cloud.points) value = static_cast<float>(value);
   struct Record {
@@ -135,8 +127,7 @@ TEST(PointStore, FloatAndDoubleInputAgree)
   }
 }
 
-TEST(PointStore, IsTheSameForAnyNumberOfThreads)
-{
+TEST(PointStore, IsTheSameForAnyNumberOfThreads) {
   Cloud cloud = surveyCloud(80000);
   for (std::size_t i = 0; i < 80000; i += 13) cloud.points[3 * i + 1] = kNan;
   for (std::size_t i = 40000; i < 60000; ++i) cloud.points[3 * i] = cloud.points[3 * (i - 40000)];
@@ -169,23 +160,20 @@ TEST(PointStore, IsTheSameForAnyNumberOfThreads)
   }
 }
 
-TEST(PointStore, StaysWithin48BytesAPoint)
-{
+TEST(PointStore, StaysWithin48BytesAPoint) {
   Cloud cloud = surveyCloud(30000);
   EXPECT_LE(storeOf(cloud).memoryBytes(), 36u * 30000u);
   cloud.normals.assign(90000, 1.0f);
   EXPECT_LE(storeOf(cloud).memoryBytes(), 48u * 30000u);
 }
 
-TEST(PointStore, PadsItsLastBlockFarAway)
-{
+TEST(PointStore, PadsItsLastBlockFarAway) {
   const PointStore store = storeOf(surveyCloud(20));
   ASSERT_EQ(store.numBlocks(), 2u);
   for (std::size_t i = 20; i < 32; ++i) EXPECT_EQ(store.x()[i], PointStore::kFarAway);
 }
 
-TEST(PointStore, ScalesHugeAndTinyClouds)
-{
+TEST(PointStore, ScalesHugeAndTinyClouds) {
   for (const double size : {1e-120, 1e-30, 1e30, 1e120, 1e200}) {
     Cloud cloud;
     std::mt19937_64 random(6);
@@ -199,8 +187,7 @@ TEST(PointStore, ScalesHugeAndTinyClouds)
 }
 
 /** The scale of such clouds has no finite inverse. */
-TEST(PointStore, RefusesCloudsWhoseDifferencesAreDenormal)
-{
+TEST(PointStore, RefusesCloudsWhoseDifferencesAreDenormal) {
   for (const double size : {1e-303, 1e-310, 1e-320}) {
     Cloud cloud;
     std::mt19937_64 random(6);

@@ -8,11 +8,11 @@
 #include <random>
 #include <set>
 
-#include "support/lab/sensor.h"
 #include "noise/patch_scale.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
+#include "support/lab/sensor.h"
 
 namespace pcl_slim {
 namespace {
@@ -20,22 +20,16 @@ namespace {
 using namespace pcl_slim_test;
 using detail::NoiseLevel;
 
-NoiseLevel
-recognized(const PointStore& store, const detail::NoiseConstants& constants = {})
-{
+NoiseLevel recognized(const PointStore& store, const detail::NoiseConstants& constants = {}) {
   return recognizeSharedNoise(store, measureNoise(store, constants, 1), constants, 1);
 }
 
-NoiseLevel
-recognized(const Cloud& cloud)
-{
+NoiseLevel recognized(const Cloud& cloud) {
   return recognized(storeOf(cloud));
 }
 
 /** A scan's points, turned by an angle about an axis that is none of the coordinates'. */
-Cloud
-cloudOf(const measure::SensorScan& scan, double angle = 0)
-{
+Cloud cloudOf(const measure::SensorScan& scan, double angle = 0) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   Cloud cloud;
@@ -47,16 +41,12 @@ cloudOf(const measure::SensorScan& scan, double angle = 0)
   return cloud;
 }
 
-measure::SensorScan
-cameraScan(const std::string& solids, const measure::DepthCamera& camera)
-{
+measure::SensorScan cameraScan(const std::string& solids, const measure::DepthCamera& camera) {
   return scanByCamera(measure::namedSolids(solids), camera, 3);
 }
 
 /** A grid of heights: noise averaged over boxes of so many points a side. */
-Cloud
-boxNoise(int box, double sigma, std::uint64_t seed = 5)
-{
+Cloud boxNoise(int box, double sigma, std::uint64_t seed = 5) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const int side = 250, wide = side + box;
@@ -74,8 +64,7 @@ boxNoise(int box, double sigma, std::uint64_t seed = 5)
   return cloud;
 }
 
-TEST(SharedNoise, CountsThePointsThatShareIt)
-{
+TEST(SharedNoise, CountsThePointsThatShareIt) {
   for (const int box : {3, 5}) {
     const NoiseLevel noise = recognized(boxNoise(box, 0.003));
     const double ratio = noise.correlation / (box * box);
@@ -84,8 +73,7 @@ TEST(SharedNoise, CountsThePointsThatShareIt)
   }
 }
 
-TEST(SharedNoise, MeasuresAllOfIt)
-{
+TEST(SharedNoise, MeasuresAllOfIt) {
   for (const int box : {3, 5}) {
     const PointStore store = storeOf(boxNoise(box, 0.003));
     const double across = 0.003 / std::sqrt(1 + 0.3 * 0.3);
@@ -98,8 +86,7 @@ TEST(SharedNoise, MeasuresAllOfIt)
   }
 }
 
-TEST(SharedNoise, IsNotWhiteNoise)
-{
+TEST(SharedNoise, IsNotWhiteNoise) {
   const auto expectWhite = [](const Cloud& cloud, double level) {
     const PointStore store = storeOf(cloud);
     const NoiseLevel noise = recognized(store);
@@ -116,8 +103,7 @@ TEST(SharedNoise, IsNotWhiteNoise)
   expectWhite(boxNoise(1, 0.003), 0.003);
 }
 
-TEST(SharedNoise, IsNotWaves)
-{
+TEST(SharedNoise, IsNotWaves) {
   // Waves 12 spacings long and of a tenth of their height in noise.
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -129,8 +115,7 @@ TEST(SharedNoise, IsNotWaves)
   EXPECT_EQ(recognized(cloud).correlation, 1.0);
 }
 
-TEST(SharedNoise, StepsOfACameraAreFound)
-{
+TEST(SharedNoise, StepsOfACameraAreFound) {
   measure::DepthCamera camera;
   camera.sigma = 0;
   camera.step = 0.125;
@@ -142,8 +127,7 @@ TEST(SharedNoise, StepsOfACameraAreFound)
   EXPECT_NEAR(noise.step * store.scale() / step, 1.0, 0.2);
 }
 
-TEST(SharedNoise, EverySeedShowsIt)
-{
+TEST(SharedNoise, EverySeedShowsIt) {
   // Of these growth is low at the first scale by chance, or flat where steps hide that it goes on.
   measure::DepthCamera wide;
   wide.correlated_x = wide.correlated_y = 5;
@@ -155,8 +139,7 @@ TEST(SharedNoise, EverySeedShowsIt)
   EXPECT_GT(recognized(cloudOf(steps)).correlation, 4.0);
 }
 
-TEST(SharedNoise, TerracesAreMeasuredInFull)
-{
+TEST(SharedNoise, TerracesAreMeasuredInFull) {
   // Steps of 18 mm on a wall 2.5 m away make terraces of 14, 10 and 7 pixels, which patches of 160
   // points see in part, and whose errors change sign from one to the next.
   measure::DepthCamera camera;
@@ -174,8 +157,7 @@ TEST(SharedNoise, TerracesAreMeasuredInFull)
   }
 }
 
-TEST(SharedNoise, StepsAreFoundInATurnedCloud)
-{
+TEST(SharedNoise, StepsAreFoundInATurnedCloud) {
   measure::DepthCamera pixels, millimetres;
   pixels.sigma = 0;
   pixels.step = 0.125;
@@ -197,8 +179,7 @@ TEST(SharedNoise, StepsAreFoundInATurnedCloud)
   }
 }
 
-TEST(SharedNoise, AGridIsNoSteps)
-{
+TEST(SharedNoise, AGridIsNoSteps) {
   // x and y take few values, z is what noise makes it.
   EXPECT_EQ(recognized(boxNoise(1, 0.002)).step, 0.0);
   // A clean grid of rounded heights has few values along every axis.
@@ -208,9 +189,9 @@ TEST(SharedNoise, AGridIsNoSteps)
   EXPECT_EQ(recognized(cloud).step, 0.0);
 }
 
-TEST(SharedNoise, TwoMergedFramesHaveThatOfOne)
-{
-  // Within the length that errors share, points are at random on one of two sheets: white noise to small patches.
+TEST(SharedNoise, TwoMergedFramesHaveThatOfOne) {
+  // Within the length that errors share, points are at random on one of two sheets: white noise to
+  // small patches.
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = 5;
   detail::NoiseConstants strict;
@@ -231,17 +212,16 @@ TEST(SharedNoise, TwoMergedFramesHaveThatOfOne)
   }
 }
 
-TEST(SharedNoise, ATurnedCameraIsFound)
-{
+TEST(SharedNoise, ATurnedCameraIsFound) {
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = 3;
   camera.step = 0.125;
   EXPECT_GT(recognized(cloudOf(cameraScan("room", camera), 0.7)).correlation, 2.0);
 }
 
-TEST(SharedNoise, MorePlacesMakeTurnedScansAgree)
-{
-  // A turned scan is looked at in other places. Few patches of these balls are plain and wide enough for it.
+TEST(SharedNoise, MorePlacesMakeTurnedScansAgree) {
+  // A turned scan is looked at in other places. Few patches of these balls are plain and wide
+  // enough for it.
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = 9;
   const measure::SensorScan scan = cameraScan("balls", camera);
@@ -262,8 +242,7 @@ TEST(SharedNoise, MorePlacesMakeTurnedScansAgree)
   EXPECT_GT(most[0] / least[0], 1.25);
 }
 
-TEST(SharedNoise, NeighbouringPlacesAreMeasuredOnDifferentPoints)
-{
+TEST(SharedNoise, NeighbouringPlacesAreMeasuredOnDifferentPoints) {
   const PointStore store = storeOf(boxNoise(1, 0.002));
   const std::size_t places = 64;
   detail::ThinnedPlaces points(store, places);
@@ -294,9 +273,7 @@ struct ErrorRatio {
   double sigma = 0, correlation = 0;  ///< stated over shown
 };
 
-ErrorRatio
-errorRatio(int box)
-{
+ErrorRatio errorRatio(int box) {
   constexpr int kSeeds = 12;
   std::vector<double> sigmas, correlations;
   double sigma_sq = 0, correlation_sq = 0;
@@ -316,8 +293,7 @@ errorRatio(int box)
   return {std::sqrt(sigma_sq) / scatter(sigmas), std::sqrt(correlation_sq) / scatter(correlations)};
 }
 
-TEST(SharedNoise, StatesItsError)
-{
+TEST(SharedNoise, StatesItsError) {
   for (const int box : {1, 3, 5}) {
     const ErrorRatio ratio = errorRatio(box);
     EXPECT_GT(ratio.sigma, 0.5) << box;

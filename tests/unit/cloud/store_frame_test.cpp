@@ -15,9 +15,7 @@ using namespace pcl_slim;
 using namespace pcl_slim_test;
 
 /** A part of a view. */
-CloudView
-partOf(const CloudView& view, std::size_t begin, std::size_t end)
-{
+CloudView partOf(const CloudView& view, std::size_t begin, std::size_t end) {
   CloudView part = view;
   part.xyz = static_cast<const char*>(view.xyz) + begin * view.xyz_stride;
   if (view.normal != nullptr)
@@ -26,9 +24,7 @@ partOf(const CloudView& view, std::size_t begin, std::size_t end)
   return part;
 }
 
-StoreFrame
-frameInPieces(const CloudView& view, std::size_t piece, detail::FrameCounts& counts)
-{
+StoreFrame frameInPieces(const CloudView& view, std::size_t piece, detail::FrameCounts& counts) {
   detail::FrameMeasure measure;
   do {
     for (std::size_t begin = 0; begin < view.size; begin += piece)
@@ -40,9 +36,8 @@ frameInPieces(const CloudView& view, std::size_t piece, detail::FrameCounts& cou
   return frame;
 }
 
-void
-expectFrameOf(const PointStore& store, const StoreFrame& frame, const detail::FrameCounts& counts)
-{
+void expectFrameOf(const PointStore& store, const StoreFrame& frame,
+                   const detail::FrameCounts& counts) {
   EXPECT_EQ(frame.origin, store.origin());
   EXPECT_EQ(frame.scale, store.scale());
   EXPECT_EQ(frame.diagonal, store.diagonal());
@@ -54,16 +49,14 @@ expectFrameOf(const PointStore& store, const StoreFrame& frame, const detail::Fr
   EXPECT_EQ(counts.finite - counts.near, store.statistics().far_away);
 }
 
-TEST(StoreFrame, OfPiecesIsThatOfOneStore)
-{
+TEST(StoreFrame, OfPiecesIsThatOfOneStore) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 20000, 0.01);
   const PointStore store = storeOf(cloud);
   detail::FrameCounts counts;
   expectFrameOf(store, frameInPieces(cloud.view(), 777, counts), counts);
 }
 
-TEST(StoreFrame, LeavesOutWhatAStoreLeavesOut)
-{
+TEST(StoreFrame, LeavesOutWhatAStoreLeavesOut) {
   Cloud cloud = sceneCloud(measure::Shape::kTorus, 20000, 0.01);
   cloud.points[3 * 5 + 1] = std::numeric_limits<double>::quiet_NaN();
   cloud.points[3 * 600] = 1e9;  // a stray
@@ -81,8 +74,7 @@ TEST(StoreFrame, LeavesOutWhatAStoreLeavesOut)
   for (std::size_t i = 0; i < store.size(); ++i) EXPECT_EQ(again->position(i), store.position(i));
 }
 
-TEST(StoreFrame, APartHasTheKeysThatItHasInTheWhole)
-{
+TEST(StoreFrame, APartHasTheKeysThatItHasInTheWhole) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 20000, 0.01);
   const PointStore whole = storeOf(cloud);
   detail::FrameCounts counts;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which points a store leaves out as strays depends on where points are, not on their order or number.
+// Which points a store leaves out as strays depends on where points are, not on their order or
+// number.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,9 +16,7 @@ namespace {
 using namespace pcl_slim_test;
 
 /** The store of a cloud's points in another order. */
-PointStore
-shuffledStore(const Cloud& cloud, unsigned seed)
-{
+PointStore shuffledStore(const Cloud& cloud, unsigned seed) {
   std::vector<std::size_t> order(cloud.points.size() / 3);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::shuffle(order.begin(), order.end(), std::mt19937(seed));
@@ -28,8 +27,7 @@ shuffledStore(const Cloud& cloud, unsigned seed)
   return storeOf(shuffled);
 }
 
-TEST(StrayPoints, ThatManyPointsShareOnePlaceKeepsNoStray)
-{
+TEST(StrayPoints, ThatManyPointsShareOnePlaceKeepsNoStray) {
   // As of a camera that writes 0 0 0 where it saw nothing: more than half of the points.
   const Cloud near = surveyCloud(9000);
   for (const double place : {0.0, 432500.0}) {
@@ -46,8 +44,7 @@ TEST(StrayPoints, ThatManyPointsShareOnePlaceKeepsNoStray)
   }
 }
 
-TEST(StrayPoints, OrderAndRepetitionChangeNothing)
-{
+TEST(StrayPoints, OrderAndRepetitionChangeNothing) {
   // At each distance around the limit, 2^14 times that between quartiles, a point is in or out.
   std::uint64_t strays = 0;
   for (int step = -40; step <= 40; ++step) {
@@ -71,8 +68,7 @@ TEST(StrayPoints, OrderAndRepetitionChangeNothing)
   EXPECT_LT(strays, 81u);
 }
 
-TEST(StrayPoints, UnitsAndStraysAreThoseOfALargerCloudWhereItIsNamed)
-{
+TEST(StrayPoints, UnitsAndStraysAreThoseOfALargerCloudWhereItIsNamed) {
   const PointStore frame = storeOf(surveyCloud(500));
   Cloud cloud;
   cloud.add(432500, 5412500, 320);

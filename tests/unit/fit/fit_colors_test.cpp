@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours of a fitted surface: near the points', smooth, of the right sheet, the same for any threads.
+// Colours of a fitted surface: near the points', smooth, of the right sheet, the same for any
+// threads.
 #include "pcl_slim/fit/fit_colors.h"
 
 #include <gtest/gtest.h>
@@ -17,9 +18,7 @@ using namespace pcl_slim_test;
 using measure::Shape;
 
 template <typename Color>
-void
-colorFitted(const Cloud& cloud, const Color& color, int threads, Fitted& f)
-{
+void colorFitted(const Cloud& cloud, const Color& color, int threads, Fitted& f) {
   const std::vector<std::uint8_t> bgr = bgrOf(cloud.points, color);
   const Error error = fitColors(f.store, cloud.view(), {bgr.data(), 3}, threads, f.surface);
   ASSERT_FALSE(error) << error.message;
@@ -28,9 +27,7 @@ colorFitted(const Cloud& cloud, const Color& color, int threads, Fitted& f)
 
 /** Root mean square difference of the surface's colours from the truth at its projected points. */
 template <typename Color>
-double
-colorError(const Fitted& f, const Color& color)
-{
+double colorError(const Fitted& f, const Color& color) {
   std::vector<Vector3> places;
   for (const auto& p : f.projection.position) places.push_back(f.world(p));
   const auto made = surfaceColors(f.surface, places, f.projection.normal, 1);
@@ -42,8 +39,7 @@ colorError(const Fitted& f, const Color& color)
   return std::sqrt(sum / (3.0 * static_cast<double>(places.size())));
 }
 
-TEST(FitColors, FollowASmoothColour)
-{
+TEST(FitColors, FollowASmoothColour) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 10000, 0.001);
   Fitted f = fitted(cloud);
   colorFitted(cloud, waveColor, 1, f);
@@ -51,8 +47,7 @@ TEST(FitColors, FollowASmoothColour)
   EXPECT_LT(colorError(f, waveColor), 3.0);
 }
 
-TEST(FitColors, AverageNoise)
-{
+TEST(FitColors, AverageNoise) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 10000, 0.001);
   Fitted f = fitted(cloud);
   std::mt19937 random(3);
@@ -65,8 +60,7 @@ TEST(FitColors, AverageNoise)
   EXPECT_LT(colorError(f, grey), 5.0) << "a quarter of the points' noise";
 }
 
-TEST(FitColors, KeepTwoSidesApart)
-{
+TEST(FitColors, KeepTwoSidesApart) {
   // A plate with a red and a blue side, thinner than the balls that fit each.
   Cloud cloud;
   for (int i = 0; i < 80; ++i) {
@@ -83,8 +77,7 @@ TEST(FitColors, KeepTwoSidesApart)
   EXPECT_LT(colorError(f, twoSides), 1.0);
 }
 
-TEST(FitColors, AreTheSameForAnyThreads)
-{
+TEST(FitColors, AreTheSameForAnyThreads) {
   const Cloud cloud = sceneCloud(Shape::kTorus, 5000, 0.002);
   Fitted f = fitted(cloud);
   colorFitted(cloud, waveColor, 1, f);
@@ -93,8 +86,7 @@ TEST(FitColors, AreTheSameForAnyThreads)
   EXPECT_EQ(f.surface.colors, once);
 }
 
-TEST(FitColors, NeedColoursAndTheSurfacesOwnPoints)
-{
+TEST(FitColors, NeedColoursAndTheSurfacesOwnPoints) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 2000, 0.001);
   Fitted f = fitted(cloud);
   ASSERT_FALSE(fitColors(f.store, cloud.view(), {}, 1, f.surface));
@@ -106,8 +98,7 @@ TEST(FitColors, NeedColoursAndTheSurfacesOwnPoints)
   EXPECT_FALSE(f.surface.hasColors());
 }
 
-TEST(FitColors, IndicesNameTheColours)
-{
+TEST(FitColors, IndicesNameTheColours) {
   Cloud cloud = sceneCloud(Shape::kSphere, 4000, 0.001);
   std::vector<std::int32_t> even;
   for (std::int32_t i = 0; i < 4000; i += 2) even.push_back(i);

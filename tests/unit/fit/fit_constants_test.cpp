@@ -21,9 +21,8 @@ using pcl_slim_test::Cloud;
 using pcl_slim_test::sceneCloud;
 
 /** The surface's bytes, or why there is none: some constants leave no surface. */
-std::string
-bytesOf(const PointStore& store, const FitParams& params, const FitConstants& constants)
-{
+std::string bytesOf(const PointStore& store, const FitParams& params,
+                    const FitConstants& constants) {
   SLIMSurface surface;
   const Error error = fitWithConstants(constants, store, params, surface);
   if (error) return error.message;
@@ -36,9 +35,8 @@ struct Change {
   std::function<void(FitConstants&)> apply;
 };
 
-void
-expectEachChanges(const Cloud& cloud, const FitParams& params, const std::vector<Change>& changes)
-{
+void expectEachChanges(const Cloud& cloud, const FitParams& params,
+                       const std::vector<Change>& changes) {
   const PointStore store = pcl_slim_test::storeOf(cloud);
   SLIMSurface surface;
   ASSERT_FALSE(fitSurface(store, params, surface));
@@ -52,8 +50,7 @@ expectEachChanges(const Cloud& cloud, const FitParams& params, const std::vector
   }
 }
 
-TEST(FitConstants, DecideANoisyFit)
-{
+TEST(FitConstants, DecideANoisyFit) {
   expectEachChanges(
       sceneCloud(Shape::kBumpy, 6000, 0.003, 0.1), FitParams(),
       {{"degree", [](FitConstants& c) { c.preset.degree = 3; }},
@@ -71,15 +68,13 @@ TEST(FitConstants, DecideANoisyFit)
        {"residual bound", [](FitConstants& c) { c.cover.residual_bound = 1.5; }}});
 }
 
-TEST(FitConstants, DecideACleanFit)
-{
+TEST(FitConstants, DecideACleanFit) {
   expectEachChanges(sceneCloud(Shape::kTorus, 4000, 0.0), FitParams(),
                     {{"support", [](FitConstants& c) { c.preset.support = 1.4; }},
                      {"last level", [](FitConstants& c) { c.cover.last_level = 2; }}});
 }
 
-TEST(FitConstants, DecideAFitOfTwoSheetsWithoutNormals)
-{
+TEST(FitConstants, DecideAFitOfTwoSheetsWithoutNormals) {
   // Two noisy planes, ten deviations apart: within one ball, and to be given a side each.
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -92,8 +87,7 @@ TEST(FitConstants, DecideAFitOfTwoSheetsWithoutNormals)
                      {"sheets of a patch", [](FitConstants& c) { c.noise.sheets.gap = 1e3; }}});
 }
 
-TEST(FitConstants, DecideSidesAndSizes)
-{
+TEST(FitConstants, DecideSidesAndSizes) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 4000, 0.001).withoutNormals();
   expectEachChanges(cloud, FitParams(),
                     {{"flux", [](FitConstants& c) { c.orient.flat_flux = 2; }}});

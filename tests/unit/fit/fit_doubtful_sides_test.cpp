@@ -26,19 +26,15 @@ struct Face {
 };
 
 /** The faces of a box. */
-void
-addBox(const std::array<double, 3>& low, const std::array<double, 3>& high,
-       std::vector<Face>& faces)
-{
+void addBox(const std::array<double, 3>& low, const std::array<double, 3>& high,
+            std::vector<Face>& faces) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const double height : {low[axis], high[axis]}) faces.push_back({axis, height, low, high});
   }
 }
 
 /** Points of faces, one for each squared unit. */
-std::vector<Vector3>
-pointsOf(const std::vector<Face>& faces, std::mt19937_64& rng)
-{
+std::vector<Vector3> pointsOf(const std::vector<Face>& faces, std::mt19937_64& rng) {
   std::vector<Vector3> points;
   for (const Face& face : faces) {
     double area = 1;
@@ -54,9 +50,7 @@ pointsOf(const std::vector<Face>& faces, std::mt19937_64& rng)
   return points;
 }
 
-double
-squaredDistance(const Vector3& p, const std::vector<Face>& faces)
-{
+double squaredDistance(const Vector3& p, const std::vector<Face>& faces) {
   double least = HUGE_VAL;
   for (const Face& face : faces) {
     Vector3 q = p;
@@ -68,26 +62,20 @@ squaredDistance(const Vector3& p, const std::vector<Face>& faces)
 }
 
 /** Points with white noise. */
-Cloud
-noisy(const std::vector<Vector3>& points, double noise, std::mt19937_64& rng)
-{
+Cloud noisy(const std::vector<Vector3>& points, double noise, std::mt19937_64& rng) {
   std::normal_distribution<double> gauss(0, noise);
   Cloud cloud;
   for (const Vector3& p : points) cloud.addNoisy(p, gauss, rng);
   return cloud;
 }
 
-std::vector<Vector3>
-placesOf(const Fitted& f)
-{
+std::vector<Vector3> placesOf(const Fitted& f) {
   std::vector<Vector3> places;
   for (const auto& local : f.projection.position) places.push_back(f.world(local));
   return places;
 }
 
-Fitted
-fittedWith(const detail::FitConstants& constants, const Cloud& cloud)
-{
+Fitted fittedWith(const detail::FitConstants& constants, const Cloud& cloud) {
   Fitted f;
   f.store = storeOf(cloud);
   EXPECT_FALSE(detail::fitWithConstants(constants, f.store, {}, f.surface, &f.statistics, nullptr));
@@ -96,10 +84,8 @@ fittedWith(const detail::FitConstants& constants, const Cloud& cloud)
 }
 
 /** Mean squared distance from places to faces, and back from points of the faces. */
-double
-errorOf(const std::vector<Vector3>& places, const std::vector<Vector3>& points,
-        const std::vector<Face>& faces)
-{
+double errorOf(const std::vector<Vector3>& places, const std::vector<Vector3>& points,
+               const std::vector<Face>& faces) {
   double error = 0;
   for (const Vector3& p : places)
     error += squaredDistance(p, faces) / static_cast<double>(places.size());
@@ -111,9 +97,9 @@ errorOf(const std::vector<Vector3>& places, const std::vector<Vector3>& points,
   return error;
 }
 
-// Walls 2.5 spacings thick: balls that the noise makes wide contain both sides, and points of one end on the other.
-TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt)
-{
+// Walls 2.5 spacings thick: balls that the noise makes wide contain both sides, and points of one
+// end on the other.
+TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt) {
   const double width = 30, thick = 2.5, noise = 1.1;
   std::vector<Face> faces;
   for (const double at : {0.0, width - thick}) {
@@ -140,8 +126,7 @@ TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt)
 }
 
 // Fins that are one rough sheet each to wide cells, which face the next fin.
-TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried)
-{
+TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried) {
   const double noise = 1.1;
   std::vector<Face> faces;
   for (int k = 0; k < 4; ++k) addBox({0, 0, 10.0 * k}, {25, 25, 10.0 * k + 4}, faces);
@@ -159,18 +144,17 @@ TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried)
   }
 }
 
-/** A ring with a flat elliptic section: points, one for each squared unit, and distances from it. */
+/** A ring with a flat elliptic section: points, one for each squared unit, and distances from it.
+ */
 struct FlatRing {
   double radius = 30, half_width = 12, half_height = 1.8;
 
-  Vector3 at(double along, double around) const
-  {
+  Vector3 at(double along, double around) const {
     const double r = radius + half_width * std::cos(around);
     return {r * std::cos(along), r * std::sin(along), half_height * std::sin(around)};
   }
 
-  std::vector<Vector3> points(std::mt19937_64& rng) const
-  {
+  std::vector<Vector3> points(std::mt19937_64& rng) const {
     std::uniform_real_distribution<double> angle(0, 2 * M_PI), share(0, 1);
     const double most = (radius + half_width) * half_width;
     std::vector<Vector3> points;
@@ -183,8 +167,7 @@ struct FlatRing {
     return points;
   }
 
-  double squaredDistance(const Vector3& p) const
-  {
+  double squaredDistance(const Vector3& p) const {
     const double across = std::hypot(p[0], p[1]) - radius;
     double least = HUGE_VAL;
     for (int i = 0; i < 720; ++i) {
@@ -196,16 +179,13 @@ struct FlatRing {
   }
 };
 
-double
-rmsFrom(const FlatRing& ring, const std::vector<Vector3>& places)
-{
+double rmsFrom(const FlatRing& ring, const std::vector<Vector3>& places) {
   double sum = 0;
   for (const Vector3& p : places) sum += ring.squaredDistance(p);
   return std::sqrt(sum / static_cast<double>(places.size()));
 }
 
-TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
-{
+TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide) {
   const FlatRing ring;
   detail::FitConstants doubtful;
   doubtful.sides.flatter = HUGE_VAL;
@@ -227,9 +207,9 @@ TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
   EXPECT_GT(left_whole, 0);
 }
 
-// Four deviations thick at most: one leaf about both sides would leave 1.4, and the scanned points leave .85 to .95.
-TEST(FitSides, TurnAndThinningDoNotDecideOverAFlatRing)
-{
+// Four deviations thick at most: one leaf about both sides would leave 1.4, and the scanned points
+// leave .85 to .95.
+TEST(FitSides, TurnAndThinningDoNotDecideOverAFlatRing) {
   const FlatRing ring;
   for (const double noise : {0.9, 1.0}) {
     std::mt19937_64 rng(7);
@@ -253,9 +233,7 @@ TEST(FitSides, TurnAndThinningDoNotDecideOverAFlatRing)
 }
 
 /** Ground in waves and returns from trees over half of it, all rough. */
-Cloud
-woods(double roughness)
-{
+Cloud woods(double roughness) {
   constexpr int kPoints = 12000, kTrees = 240;
   constexpr double kRadius = 0.04, kHeight = 3;  // the latter in spacings
   const double spacing = 1 / std::sqrt(kPoints);
@@ -286,8 +264,7 @@ woods(double roughness)
 }
 
 // A fit takes both sheets for noise where they get no sides: it leaves 85 to 170 leaves.
-TEST(FitSides, TurnsDoNotDecideWhetherTreesAreDetail)
-{
+TEST(FitSides, TurnsDoNotDecideWhetherTreesAreDetail) {
   for (const double roughness : {0.1, 0.2}) {
     const Cloud cloud = woods(roughness);
     std::vector<double> leaves;

@@ -17,9 +17,7 @@ using namespace pcl_slim;
 using namespace pcl_slim_test;
 
 /** Two spheres about one middle, a gap apart, spacing 1, with white noise. */
-Cloud
-nestedSpheres(double radius, double gap, double noise, unsigned seed)
-{
+Cloud nestedSpheres(double radius, double gap, double noise, unsigned seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> gauss(0, 1), error(0, noise);
   Cloud cloud;
@@ -37,8 +35,7 @@ nestedSpheres(double radius, double gap, double noise, unsigned seed)
 struct Rods {
   double radius = 4, noise = 2, length = 60, apart = 30;
 
-  Cloud cloud(unsigned seed) const
-  {
+  Cloud cloud(unsigned seed) const {
     std::mt19937_64 rng(seed);
     std::normal_distribution<double> gauss(0, noise);
     std::uniform_real_distribution<double> along(0, length), around(0, 2 * M_PI);
@@ -51,8 +48,7 @@ struct Rods {
     return cloud;
   }
 
-  double rms(const Fitted& f) const
-  {
+  double rms(const Fitted& f) const {
     double sum = 0;
     for (const auto& local : f.projection.position) {
       const Vector3 p = f.world(local);
@@ -64,8 +60,7 @@ struct Rods {
 };
 
 // Four deviations of the noise thick, which is two spacings: many cells contain both sides.
-TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts)
-{
+TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts) {
   const Rods rods;
   detail::FitConstants constants;
   constants.sides.least_plane = 1000;
@@ -90,8 +85,7 @@ TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts)
 }
 
 // Two spheres about one middle.
-TEST(FitSides, TheNoiseOfTheReportIsThatOfThePointsNotOfTheirFeet)
-{
+TEST(FitSides, TheNoiseOfTheReportIsThatOfThePointsNotOfTheirFeet) {
   const double noise = 1.5;
   const Fitted f = fitted(nestedSpheres(30, 6, noise, 1));
   EXPECT_GE(f.statistics.sides.plane_neighbors, 16u);
@@ -99,9 +93,9 @@ TEST(FitSides, TheNoiseOfTheReportIsThatOfThePointsNotOfTheirFeet)
   EXPECT_NEAR(std::sqrt(f.statistics.lambda) * diagonal, noise, 0.1 * noise);
 }
 
-TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried)
-{
-  // A sphere in another, 3 to 12 spacings from it. Cells far wider than both: the feet get no sides.
+TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried) {
+  // A sphere in another, 3 to 12 spacings from it. Cells far wider than both: the feet get no
+  // sides.
   detail::FitConstants no_sides, no_feet;
   no_sides.sides.feet_noise = 1000;
   no_feet.sides.least_plane = 1000;
@@ -130,8 +124,7 @@ TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried)
   EXPECT_EQ(surface.cx, expected.cx);
 }
 
-TEST(FitSides, SurfacesOfFeetAreTheSameForAnyNumberOfThreads)
-{
+TEST(FitSides, SurfacesOfFeetAreTheSameForAnyNumberOfThreads) {
   const Cloud cloud = nestedSpheres(30, 6, 1.5, 4);
   FitParams params;
   params.threads = 1;
@@ -149,8 +142,7 @@ TEST(FitSides, SurfacesOfFeetAreTheSameForAnyNumberOfThreads)
 }
 
 // Outliers stay where they are; the others are moved in the store of all.
-TEST(FitSides, FeetAreThoseOfThePointsThatAreNoOutliers)
-{
+TEST(FitSides, FeetAreThoseOfThePointsThatAreNoOutliers) {
   Cloud cloud = nestedSpheres(30, 6, 1.5, 4);
   const std::array<double, 3> stray = {60, 300, -100};
   cloud.add(stray[0], stray[1], stray[2]);

@@ -26,10 +26,8 @@ struct TestBall {
   bool clear = true;  ///< no point is so near a limit that rounding decides
 };
 
-TestBall
-ballAt(const PointStore& store, std::size_t i, float radius, const std::array<float, 3>* bound,
-       float min_dot)
-{
+TestBall ballAt(const PointStore& store, std::size_t i, float radius,
+                const std::array<float, 3>* bound, float min_dot) {
   TestBall ball;
   const auto p = store.position(i);
   for (std::size_t a = 0; a < 3; ++a) ball.query.center[a] = static_cast<float>(p[a]);
@@ -59,8 +57,7 @@ ballAt(const PointStore& store, std::size_t i, float radius, const std::array<fl
 
 class FitGather : public testing::Test {
  protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kTorus, 2500, 0.01, 0.8);
     with_normals_ = storeOf(cloud);
     without_normals_ = storeOf(cloud.withoutNormals());
@@ -68,8 +65,7 @@ class FitGather : public testing::Test {
 
   /** Calls body(store, ball) for balls of many sizes, with and without a bound. */
   template <typename Body>
-  void forEachBall(const Body& body)
-  {
+  void forEachBall(const Body& body) {
     std::mt19937 random(51);
     std::uniform_int_distribution<std::size_t> pick(0, with_normals_.size() - 1);
     int tested = 0;
@@ -91,8 +87,7 @@ class FitGather : public testing::Test {
   PointStore with_normals_, without_normals_;
 };
 
-TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
-{
+TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums) {
   forEachBall([](const PointStore& store, const TestBall& ball) {
     BallBuffer buffer;
     BallSums sums;
@@ -128,8 +123,7 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
   });
 }
 
-TEST_F(FitGather, TurnsOffsetsIntoTheFrame)
-{
+TEST_F(FitGather, TurnsOffsetsIntoTheFrame) {
   forEachBall([](const PointStore& store, const TestBall& ball) {
     BallBuffer buffer;
     BallSums sums;
@@ -153,8 +147,7 @@ TEST_F(FitGather, TurnsOffsetsIntoTheFrame)
   });
 }
 
-TEST_F(FitGather, MarksOnlyThePointsOfTheBall)
-{
+TEST_F(FitGather, MarksOnlyThePointsOfTheBall) {
   forEachBall([](const PointStore& store, const TestBall& ball) {
     std::vector<std::uint8_t> marks(store.numBlocks() * PointStore::kBlock, 8), expected = marks;
     for (const std::size_t i : ball.bounded) expected[i] = 9;
@@ -163,8 +156,7 @@ TEST_F(FitGather, MarksOnlyThePointsOfTheBall)
   });
 }
 
-TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
-{
+TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface) {
   for (const WeightKernel kernel : {WeightKernel::kPower7, WeightKernel::kGaussian}) {
     for (int degree = 1; degree <= kMaxDegree; ++degree) {
       const bool to_foot = degree % 2 == 0;

@@ -13,9 +13,7 @@ namespace {
 using namespace pcl_slim_test;
 
 /** Two wavy sheets of unit width, so far apart. \param[in] share of 8000 points in the first */
-Cloud
-twoGroups(double distance, double share)
-{
+Cloud twoGroups(double distance, double share) {
   Cloud cloud;
   for (int i = 0; i < 8000; ++i) {
     const double x = std::fmod(i * 0.6180339887, 1.0), y = (i + 0.5) / 8000;
@@ -25,8 +23,7 @@ twoGroups(double distance, double share)
   return cloud;
 }
 
-TEST(FitGroups, NoLeafIsFinerThanTheUnitsTell)
-{
+TEST(FitGroups, NoLeafIsFinerThanTheUnitsTell) {
   for (const double distance : {1e3, 1e4, 1e5, 1e7, 1e9, 1e12}) {
     for (const double share : {0.5, 0.7}) {
       const PointStore store = storeOf(twoGroups(distance, share));
@@ -49,8 +46,7 @@ TEST(FitGroups, NoLeafIsFinerThanTheUnitsTell)
   }
 }
 
-TEST(FitGroups, AFarPointMakesNoCoverCoarser)
-{
+TEST(FitGroups, AFarPointMakesNoCoverCoarser) {
   const auto fitWith = [](double far, FitStatistics& statistics) {
     Cloud cloud = twoGroups(0.0, 1.0);
     if (far > 0) cloud.add(far, 0, 0);

@@ -15,9 +15,7 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** Fits a cloud in every mode: no crash, no NaN, and every point is covered or reported. */
-void
-expectSurvived(const Cloud& cloud)
-{
+void expectSurvived(const Cloud& cloud) {
   for (int mode = 0; mode < 5; ++mode) {
     for (const int degree : {1, 4}) {
       SCOPED_TRACE("mode " + std::to_string(mode) + " degree " + std::to_string(degree));
@@ -39,8 +37,7 @@ expectSurvived(const Cloud& cloud)
   }
 }
 
-TEST(FitInput, SurvivesAFewPoints)
-{
+TEST(FitInput, SurvivesAFewPoints) {
   Cloud cloud;
   std::mt19937_64 random(61);
   std::normal_distribution<double> normal;
@@ -58,8 +55,7 @@ TEST(FitInput, SurvivesAFewPoints)
   }
 }
 
-TEST(FitInput, SurvivesALine)
-{
+TEST(FitInput, SurvivesALine) {
   Cloud line;
   for (int i = 0; i < 400; ++i) line.add(0.1 * i, 0.2 * i, -0.05 * i);
   expectSurvived(line);
@@ -68,16 +64,13 @@ TEST(FitInput, SurvivesALine)
   expectSurvived(line);
 }
 
-std::string
-noSurfaceIn(const Cloud& cloud)
-{
+std::string noSurfaceIn(const Cloud& cloud) {
   Error none;
   fitted(cloud, {}, false, &none);
   return none.message;
 }
 
-TEST(FitInput, SaysWhyPointsAreNoSurface)
-{
+TEST(FitInput, SaysWhyPointsAreNoSurface) {
   const auto says = [](const Cloud& cloud, const char* word) {
     const std::string message = noSurfaceIn(cloud);
     EXPECT_NE(message.find(word), std::string::npos) << message;
@@ -94,9 +87,7 @@ TEST(FitInput, SaysWhyPointsAreNoSurface)
 }
 
 /** How many points the balls of a line of count points gather, all balls together. */
-std::uint64_t
-gatheredOnALine(int count, bool normals)
-{
+std::uint64_t gatheredOnALine(int count, bool normals) {
   Cloud line;
   for (int i = 0; i < count; ++i) line.add(1.0 * i, 2.0 * i, -0.5 * i);
   for (int i = 0; i < count && normals; ++i)
@@ -107,8 +98,7 @@ gatheredOnALine(int count, bool normals)
   return f.statistics.gathered;
 }
 
-TEST(FitInput, WorkOnALineGrowsLikeItsPoints)
-{
+TEST(FitInput, WorkOnALineGrowsLikeItsPoints) {
   for (const bool normals : {false, true}) {
     const std::uint64_t few = gatheredOnALine(2000, normals);
     const std::uint64_t many = gatheredOnALine(16000, normals);
@@ -116,8 +106,7 @@ TEST(FitInput, WorkOnALineGrowsLikeItsPoints)
   }
 }
 
-TEST(FitInput, FindsANarrowBandBelowItsLength)
-{
+TEST(FitInput, FindsANarrowBandBelowItsLength) {
   Cloud band;
   std::mt19937_64 random(63);
   std::uniform_real_distribution<double> uniform;
@@ -127,15 +116,13 @@ TEST(FitInput, FindsANarrowBandBelowItsLength)
   EXPECT_LT(f.statistics.uncovered, 2000u);
 }
 
-TEST(FitInput, SurvivesEqualPoints)
-{
+TEST(FitInput, SurvivesEqualPoints) {
   Cloud cloud;
   for (int i = 0; i < 100; ++i) cloud.add(3.0, 4.0, 5.0);
   expectSurvived(cloud);
 }
 
-TEST(FitInput, SurvivesRegularGridsAndAnOutlierFarAway)
-{
+TEST(FitInput, SurvivesRegularGridsAndAnOutlierFarAway) {
   Cloud grid, solid;
   for (int i = 0; i < 900; ++i) grid.add(i % 30, i / 30, 0.0);
   for (int i = 0; i < 729; ++i) solid.add(i % 9, i / 9 % 9, i / 81);
@@ -145,8 +132,7 @@ TEST(FitInput, SurvivesRegularGridsAndAnOutlierFarAway)
   expectSurvived(grid);
 }
 
-TEST(FitInput, SurvivesPureNoise)
-{
+TEST(FitInput, SurvivesPureNoise) {
   Cloud cloud;
   std::mt19937_64 random(62);
   std::normal_distribution<double> normal;
@@ -160,8 +146,7 @@ TEST(FitInput, SurvivesPureNoise)
   expectSurvived(cloud.withoutNormals());
 }
 
-TEST(FitInput, AcceptsStripesAndUnevenDensity)
-{
+TEST(FitInput, AcceptsStripesAndUnevenDensity) {
   // Scan lines: dense along x, forty times sparser along y, on a gentle wave.
   Cloud stripes;
   for (int line = 0; line < 40; ++line) {
@@ -181,9 +166,7 @@ TEST(FitInput, AcceptsStripesAndUnevenDensity)
   EXPECT_LT(worst, 1e-3);
 }
 
-void
-expectRefused(const FitParams& params)
-{
+void expectRefused(const FitParams& params) {
   static const PointStore store = storeOf(sceneCloud(Shape::kSphere, 500, 0.0));
   SLIMSurface surface;
   surface.resize(3);
@@ -194,8 +177,7 @@ expectRefused(const FitParams& params)
   EXPECT_TRUE(surface.empty());
 }
 
-TEST(FitInput, RefusesBadParameters)
-{
+TEST(FitInput, RefusesBadParameters) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   const auto with = [](auto FitParams::*member, auto value) {
@@ -222,15 +204,13 @@ TEST(FitInput, RefusesBadParameters)
   EXPECT_FALSE(FitParams().validate());
 }
 
-TEST(FitInput, RefusesAViewpointThatIsNowhere)
-{
+TEST(FitInput, RefusesAViewpointThatIsNowhere) {
   FitParams params;
   params.viewpoint = {{0, std::numeric_limits<double>::quiet_NaN(), 0}};
   expectRefused(params);
 }
 
-TEST(FitInput, RefusesAStoreWithoutPoints)
-{
+TEST(FitInput, RefusesAStoreWithoutPoints) {
   SLIMSurface surface;
   surface.resize(2);
   const Error error = fitSurface(PointStore(), FitParams(), surface);
@@ -239,8 +219,7 @@ TEST(FitInput, RefusesAStoreWithoutPoints)
   EXPECT_TRUE(surface.empty());
 }
 
-TEST(FitInput, StopsWhenAsked)
-{
+TEST(FitInput, StopsWhenAsked) {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 8000, 0.0));
   for (int stop_at = 0; stop_at < 4; ++stop_at) {
     int reports = 0;
@@ -270,8 +249,7 @@ TEST(FitInput, StopsWhenAsked)
   EXPECT_FALSE(surface.empty());
 }
 
-TEST(FitInput, StopsASearchForAPenaltyToo)
-{
+TEST(FitInput, StopsASearchForAPenaltyToo) {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.001));
   FitParams params;
   params.size = MaxSurfels{60};

@@ -18,9 +18,7 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** The points of a cloud in another order, each as often as order names it. */
-Cloud
-reordered(const Cloud& cloud, const std::vector<std::size_t>& order)
-{
+Cloud reordered(const Cloud& cloud, const std::vector<std::size_t>& order) {
   Cloud result;
   for (const std::size_t i : order) {
     const auto at = static_cast<std::ptrdiff_t>(3 * i);
@@ -33,8 +31,7 @@ reordered(const Cloud& cloud, const std::vector<std::size_t>& order)
   return result;
 }
 
-TEST(FitInvariance, OrderAndCopiesChangeNoByte)
-{
+TEST(FitInvariance, OrderAndCopiesChangeNoByte) {
   for (const bool normals : {true, false}) {
     Cloud cloud = sceneCloud(Shape::kBumpy, 6000, 0.0005, 0.1);
     if (!normals) cloud = cloud.withoutNormals();
@@ -50,8 +47,7 @@ TEST(FitInvariance, OrderAndCopiesChangeNoByte)
   }
 }
 
-TEST(FitInvariance, SeveralCallersGetTheSameBytes)
-{
+TEST(FitInvariance, SeveralCallersGetTheSameBytes) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 6000, 0.0005, 0.1);
   FitParams params;
   params.threads = 1;
@@ -67,8 +63,7 @@ TEST(FitInvariance, SeveralCallersGetTheSameBytes)
 }
 
 /** Levels of one cell, of tens and of hundreds are shared in different ways. */
-TEST(FitInvariance, AnyNumberOfThreadsGivesTheSame)
-{
+TEST(FitInvariance, AnyNumberOfThreadsGivesTheSame) {
   for (const double noise : {0.0, 0.002, 0.01}) {
     const Cloud cloud = sceneCloud(Shape::kTorus, 20000, noise);
     FitParams params;
@@ -81,8 +76,7 @@ TEST(FitInvariance, AnyNumberOfThreadsGivesTheSame)
   }
 }
 
-TEST(FitInvariance, APowerOfTwoScalesTheUnitsOnly)
-{
+TEST(FitInvariance, APowerOfTwoScalesTheUnitsOnly) {
   Cloud cloud = sceneCloud(Shape::kTorus, 6000, 0.0005);
   const auto one = fitted(cloud);
   for (double& value : cloud.points) value *= 1024.0;
@@ -94,8 +88,7 @@ TEST(FitInvariance, APowerOfTwoScalesTheUnitsOnly)
   EXPECT_EQ(large.projection.position, one.projection.position);
 }
 
-TEST(FitInvariance, ThePlaceOnEarthDoesNotMatter)
-{
+TEST(FitInvariance, ThePlaceOnEarthDoesNotMatter) {
   for (const double noise : {0.0, 0.001}) {
     const Cloud cloud = sceneCloud(Shape::kTorus, 8000, noise);
     const auto here = errorsOf(Shape::kTorus, fitted(cloud));
@@ -116,8 +109,7 @@ TEST(FitInvariance, ThePlaceOnEarthDoesNotMatter)
   }
 }
 
-TEST(FitInvariance, ATurnedCloudIsFittedAsWell)
-{
+TEST(FitInvariance, ATurnedCloudIsFittedAsWell) {
   // No axis is special: the same points about a skew axis give like errors and leaves.
   const Cloud cloud = sceneCloud(Shape::kBumpy, 12000, 0.0005).withoutNormals();
   const auto straight = fitted(cloud);
@@ -147,8 +139,7 @@ TEST(FitInvariance, ATurnedCloudIsFittedAsWell)
   EXPECT_NEAR(double(skew.statistics.leaves) / double(straight.statistics.leaves), 1.0, 0.2);
 }
 
-TEST(FitInvariance, ManyThreadsForFewPoints)
-{
+TEST(FitInvariance, ManyThreadsForFewPoints) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 60, 0.0);
   const PointStore store = pcl_slim_test::storeOf(cloud, 64);
   FitParams params;
@@ -158,8 +149,7 @@ TEST(FitInvariance, ManyThreadsForFewPoints)
   EXPECT_EQ(encodeSlim(surface), encodeSlim(fitted(cloud).surface));
 }
 
-TEST(FitInvariance, ExtremeCoverSettingsEnd)
-{
+TEST(FitInvariance, ExtremeCoverSettingsEnd) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 2000, 0.0005);
   for (const double radius : {0.01, 1.0}) {
     for (const double threshold : {1e-6, 1.0}) {

@@ -14,8 +14,7 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-TEST(FitModes, LeavesRiseAsTheThresholdFalls)
-{
+TEST(FitModes, LeavesRiseAsTheThresholdFalls) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
   for (const bool paper : {false, true}) {
     for (const int degree : {2, 3}) {
@@ -37,8 +36,7 @@ TEST(FitModes, LeavesRiseAsTheThresholdFalls)
   }
 }
 
-TEST(FitModes, PaperModeIsAccurateEnough)
-{
+TEST(FitModes, PaperModeIsAccurateEnough) {
   const auto scene = measure::makeScene(Shape::kBumpy, 20000, 0.0, 0.0, 7);
   FitParams params;
   params.paper_mode = true;
@@ -50,8 +48,7 @@ TEST(FitModes, PaperModeIsAccurateEnough)
   EXPECT_LT(errorsOf(Shape::kBumpy, f).position, 1e-3 * scene.diagonal);
 }
 
-TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled)
-{
+TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 1000, 0.001);
   FitParams params;
   const auto smooth = fitted(cloud, params);
@@ -68,8 +65,7 @@ TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled)
   EXPECT_EQ(asked.surface.info.penalty, 7.0);
 }
 
-TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
-{
+TEST(FitModes, AHeavierPenaltyGivesFewerLeaves) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
   std::uint64_t last = ~0ull;
   for (const double penalty : {1.0, 3.0, 30.0}) {
@@ -82,8 +78,7 @@ TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
   }
 }
 
-TEST(FitModes, TakesTheNoiseItIsGiven)
-{
+TEST(FitModes, TakesTheNoiseItIsGiven) {
   const Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.0001);
   FitParams params;
   params.lambda = 1e-6;
@@ -93,8 +88,7 @@ TEST(FitModes, TakesTheNoiseItIsGiven)
   EXPECT_LT(given.statistics.leaves, measured.statistics.leaves);
 }
 
-TEST(FitModes, TheBoxDoesNotMatter)
-{
+TEST(FitModes, TheBoxDoesNotMatter) {
   for (const bool normals : {true, false}) {
     Cloud cloud = sceneCloud(Shape::kBumpy, 20000, 0.001, 0.05);
     if (!normals) cloud = cloud.withoutNormals();
@@ -115,16 +109,14 @@ TEST(FitModes, TheBoxDoesNotMatter)
   }
 }
 
-TEST(FitModes, NoisyNormalsHardlyMatter)
-{
+TEST(FitModes, NoisyNormalsHardlyMatter) {
   const auto exact = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.0)));
   const auto noisy = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.3)));
   EXPECT_NEAR(noisy.position / exact.position, 1.0, 0.1);
   EXPECT_NEAR(noisy.normal / exact.normal, 1.0, 0.1);
 }
 
-TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint)
-{
+TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint) {
   Cloud cloud = sceneCloud(Shape::kTorus, 10000, 0.0005);
   const std::size_t right = 9800;
   const auto before = errorsOf(Shape::kTorus, fitted(cloud), right);
@@ -139,8 +131,7 @@ TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint)
   EXPECT_NEAR(errorsOf(Shape::kTorus, f, right).position / before.position, 1.0, 0.1);
 }
 
-TEST(FitModes, RobustFitsBearOutliers)
-{
+TEST(FitModes, RobustFitsBearOutliers) {
   // One point in twenty is thrown off the torus by up to 2 % of the diagonal, to one side.
   for (const bool normals : {true, false}) {
     Cloud cloud = sceneCloud(Shape::kTorus, 12000, 0.0005);
@@ -172,8 +163,7 @@ TEST(FitModes, RobustFitsBearOutliers)
   }
 }
 
-TEST(FitModes, RobustFitsOfCleanPointsLoseNothing)
-{
+TEST(FitModes, RobustFitsOfCleanPointsLoseNothing) {
   for (const Shape shape : {Shape::kBumpy, Shape::kTorus}) {
     const Cloud cloud = sceneCloud(shape, 12000, 0.0);
     FitParams params;
@@ -185,8 +175,7 @@ TEST(FitModes, RobustFitsOfCleanPointsLoseNothing)
   }
 }
 
-TEST(FitModes, LocalNoiseSparesCleanParts)
-{
+TEST(FitModes, LocalNoiseSparesCleanParts) {
   // A waved sheet whose noise grows twentyfold from left to right.
   const auto height = [](double x, double y) { return 0.03 * std::sin(9 * x) * std::cos(8 * y); };
   std::mt19937_64 random(5);
@@ -212,8 +201,7 @@ TEST(FitModes, LocalNoiseSparesCleanParts)
   EXPECT_LT(std::sqrt(noisy[1]), 1.1 * std::sqrt(noisy[0]));
 }
 
-TEST(FitModes, LocalNoiseMeasuresTheLevelOnce)
-{
+TEST(FitModes, LocalNoiseMeasuresTheLevelOnce) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 20000, 0.002);
   FitParams params;
   params.noise_correlation = 1;  // recognising shared noise would take patches of its own
@@ -228,9 +216,9 @@ TEST(FitModes, LocalNoiseMeasuresTheLevelOnce)
   EXPECT_EQ(fitted(cloud, params).statistics.noise.patches, level + runs);
 }
 
-TEST(FitModes, LowerDegreesServeEdges)
-{
-  // A noisy roof takes quadratics along its ridge and not where it waves; a noisy sphere takes none.
+TEST(FitModes, LowerDegreesServeEdges) {
+  // A noisy roof takes quadratics along its ridge and not where it waves; a noisy sphere takes
+  // none.
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const auto roof = fitted(pcl_slim_test::heightField(20000, 17, [&](double x, double y) {

@@ -16,9 +16,7 @@ using measure::Shape;
 constexpr double kNoise = 0.002;  ///< [L]
 
 /** A torus, and points spread evenly over the box about it. */
-Cloud
-torusAmongOutliers(double share)
-{
+Cloud torusAmongOutliers(double share) {
   Cloud cloud = sceneCloud(Shape::kTorus, 30000, kNoise).withoutNormals();
   double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -37,8 +35,7 @@ torusAmongOutliers(double share)
   return cloud;
 }
 
-TEST(FitOutliers, NoiseIsThatOfTheSurface)
-{
+TEST(FitOutliers, NoiseIsThatOfTheSurface) {
   const double clean = std::sqrt(fitted(torusAmongOutliers(0)).statistics.lambda);
   for (const double share : {0.01, 0.05, 0.1}) {
     const Fitted f = fitted(torusAmongOutliers(share));
@@ -47,8 +44,7 @@ TEST(FitOutliers, NoiseIsThatOfTheSurface)
   }
 }
 
-TEST(FitOutliers, CarryNoSurfaceUnlessAsked)
-{
+TEST(FitOutliers, CarryNoSurfaceUnlessAsked) {
   const Cloud cloud = torusAmongOutliers(0.05);
   const Fitted without = fitted(cloud);
   std::size_t supported = 0;
@@ -63,8 +59,7 @@ TEST(FitOutliers, CarryNoSurfaceUnlessAsked)
   EXPECT_GT(with.statistics.leaves, 3 * without.statistics.leaves);
 }
 
-TEST(FitOutliers, PaperModeKeepsThem)
-{
+TEST(FitOutliers, PaperModeKeepsThem) {
   FitParams paper;
   paper.paper_mode = true;
   paper.degree = 2;

@@ -15,9 +15,7 @@ namespace {
 
 using measure::Shape;
 
-FitPlan
-planOf(const FitParams& params)
-{
+FitPlan planOf(const FitParams& params) {
   const PointStore store =
       pcl_slim_test::storeOf(pcl_slim_test::sceneCloud(Shape::kSphere, 200, 0.0));
   FitStatistics stats;
@@ -26,8 +24,7 @@ planOf(const FitParams& params)
   return planFor(store, params.resolved(), FitConstants(), *measures);
 }
 
-TEST(FitPlan, AGivenTLeavesFewerReasonsToStop)
-{
+TEST(FitPlan, AGivenTLeavesFewerReasonsToStop) {
   FitParams params;
   params.size = MDLThreshold{0.02};
   const FitPlan t = planOf(params), plain = planOf(FitParams());
@@ -44,8 +41,7 @@ TEST(FitPlan, AGivenTLeavesFewerReasonsToStop)
   EXPECT_DOUBLE_EQ(paper.energy.t_mdl, 0.02 * paper.diagonal);
 }
 
-TEST(FitPlan, SharpFeaturesNarrowTheStartAndTheNormalBound)
-{
+TEST(FitPlan, SharpFeaturesNarrowTheStartAndTheNormalBound) {
   FitParams params;
   params.sharp_features = true;
   const FitPlan s = planOf(params), plain = planOf(FitParams());
@@ -56,13 +52,11 @@ TEST(FitPlan, SharpFeaturesNarrowTheStartAndTheNormalBound)
   EXPECT_FLOAT_EQ(s.min_dot, 0.5f);  // 60 degrees
 }
 
-TEST(FitPlan, ASurfaceStatesTheFitsOwnPenaltyByDefault)
-{
+TEST(FitPlan, ASurfaceStatesTheFitsOwnPenaltyByDefault) {
   EXPECT_EQ(SurfaceInfo().penalty, std::get<PenaltyWeight>(FitParams().resolved().size).kappa);
 }
 
-TEST(FitPlan, ATargetOfSurfelsTakesThePapersAlpha)
-{
+TEST(FitPlan, ATargetOfSurfelsTakesThePapersAlpha) {
   FitParams sized;
   sized.size = MaxSurfels{100};
   const FitPlan few = planOf(sized), plain = planOf(FitParams());

@@ -16,9 +16,7 @@ constexpr std::size_t kPoints = 30000;
 const double kDiagonal = std::sqrt(8.0);
 
 /** Two square sheets, gently waved, gap apart; even points lie on the upper one. */
-Cloud
-twoSheets(double gap, double noise, bool opposed, std::uint32_t seed)
-{
+Cloud twoSheets(double gap, double noise, bool opposed, std::uint32_t seed) {
   Cloud cloud;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
@@ -40,9 +38,7 @@ struct SheetErrors {
   std::size_t crossed = 0;
 };
 
-SheetErrors
-sheetErrors(const Fitted& f, double gap)
-{
+SheetErrors sheetErrors(const Fitted& f, double gap) {
   SheetErrors e;
   for (std::size_t i = 0; i < f.store.size(); ++i) {
     const auto p = f.world(f.projection.position[i]);
@@ -55,8 +51,7 @@ sheetErrors(const Fitted& f, double gap)
   return e;
 }
 
-TEST(FitSheets, StayApartWithOpposedNormals)
-{
+TEST(FitSheets, StayApartWithOpposedNormals) {
   const double gap = 0.0035 * kDiagonal, noise = 1e-4 * kDiagonal;
   const auto f = fitted(twoSheets(gap, noise, true, 71));
   expectSound(f);
@@ -65,8 +60,7 @@ TEST(FitSheets, StayApartWithOpposedNormals)
   EXPECT_LT(e.rms, 0.5 * noise);
 }
 
-TEST(FitSheets, StayApartWithoutNormals)
-{
+TEST(FitSheets, StayApartWithoutNormals) {
   const double gap = 0.0035 * kDiagonal, noise = 1e-4 * kDiagonal;
   FitParams params;
   // Given, as every neighbourhood holds both sheets and shows their gap in place of the noise.
@@ -78,8 +72,7 @@ TEST(FitSheets, StayApartWithoutNormals)
   EXPECT_LT(e.rms, 0.5 * noise);
 }
 
-TEST(FitSheets, StayApartInAThinPlate)
-{
+TEST(FitSheets, StayApartInAThinPlate) {
   const double gap = 0.001 * kDiagonal;
   const auto f = fitted(twoSheets(gap, 0.0, true, 73));
   expectSound(f);
@@ -94,9 +87,7 @@ TEST(FitSheets, StayApartInAThinPlate)
 
 /** Points on the octahedron |x| + |y| + |z| = 1 with the true normals of its faces, which meet at
  * 109 degrees. */
-Cloud
-octahedron(std::size_t count)
-{
+Cloud octahedron(std::size_t count) {
   Cloud cloud;
   std::mt19937_64 random(74);
   std::uniform_real_distribution<double> place(0.0, 1.0);
@@ -111,9 +102,7 @@ octahedron(std::size_t count)
 }
 
 /** RMS distance to the octahedron's own face of the points that started within reach of an edge. */
-double
-edgeError(const Fitted& f, double reach)
-{
+double edgeError(const Fitted& f, double reach) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < f.store.size(); ++i) {
@@ -129,8 +118,7 @@ edgeError(const Fitted& f, double reach)
   return std::sqrt(sum / static_cast<double>(count));
 }
 
-TEST(FitSheets, SharpFeaturesNeedNormals)
-{
+TEST(FitSheets, SharpFeaturesNeedNormals) {
   const PointStore store =
       storeOf(sceneCloud(measure::Shape::kTorus, 5000, 0.001).withoutNormals());
   FitParams params;
@@ -143,8 +131,7 @@ TEST(FitSheets, SharpFeaturesNeedNormals)
   EXPECT_EQ(plain.coefficients, sharp.coefficients);
 }
 
-TEST(FitSheets, SharpFeaturesKeepEdges)
-{
+TEST(FitSheets, SharpFeaturesKeepEdges) {
   const Cloud cloud = octahedron(12000);
   FitParams sharp;
   sharp.sharp_features = true;

@@ -19,9 +19,7 @@ constexpr double kGolden = 0.6180339887498949;
 
 /** RMS over the projected points of their distance to a surface, in the cloud's units. */
 template <typename Distance>
-double
-rmsOf(const Fitted& f, const Distance& distance)
-{
+double rmsOf(const Fitted& f, const Distance& distance) {
   double sum = 0;
   for (const auto& local : f.projection.position) sum += std::pow(distance(f.world(local)), 2);
   return std::sqrt(sum / static_cast<double>(f.store.size()));
@@ -32,8 +30,7 @@ struct Plates {
   double gap, noise;
   Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
 
-  Cloud cloud(int side = 50, double scale = 1) const
-  {
+  Cloud cloud(int side = 50, double scale = 1) const {
     std::mt19937_64 rng(11);
     std::normal_distribution<double> gauss(0, 1);
     Cloud made;
@@ -49,14 +46,12 @@ struct Plates {
     return made;
   }
 
-  double rms(const Fitted& f, double scale = 1) const
-  {
+  double rms(const Fitted& f, double scale = 1) const {
     return rmsOf(f, [&](const Vector3& p) { return std::abs(dot(p, w)) / scale - gap / 2; });
   }
 };
 
-TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
-{
+TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate) {
   const Plates plates{3, 0.3};
   FitParams params;
   const Fitted with = fitted(plates.cloud(), params);
@@ -73,10 +68,9 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   EXPECT_GT(plates.rms(without), 1.0);
 }
 
-// A wide ball about a point with a wrong side finds few others of that side, anywhere in it, and its
-// surface would cut through the body.
-TEST(FitSides, NoLeafStartsAtAWrongSide)
-{
+// A wide ball about a point with a wrong side finds few others of that side, anywhere in it, and
+// its surface would cut through the body.
+TEST(FitSides, NoLeafStartsAtAWrongSide) {
   const Fitted f = fitted(Finger{0.1}.cloud(40000, 0.04));
   ASSERT_GT(f.statistics.sides.points, 0u);
   std::vector<double> density;
@@ -89,8 +83,7 @@ TEST(FitSides, NoLeafStartsAtAWrongSide)
   EXPECT_LT(f.projection.num_unsupported, f.store.size() / 1000);
 }
 
-TEST(FitSides, PartsCleanSheetsThatAreNear)
-{
+TEST(FitSides, PartsCleanSheetsThatAreNear) {
   // Two spheres two spacings apart, far for their noise: a fit without sides takes their middle.
   Cloud cloud;
   std::mt19937_64 rng(5);
@@ -117,8 +110,7 @@ TEST(FitSides, PartsCleanSheetsThatAreNear)
   EXPECT_GT(rms(without), 0.3);
 }
 
-TEST(FitSides, KeepATubeOfAFewDeviations)
-{
+TEST(FitSides, KeepATubeOfAFewDeviations) {
   // Few places show two sides by themselves, but wide leaves span the tube.
   const double tube = 0.26, sigma = 0.07;
   const Cloud cloud = thickRing(30000, tube, sigma, 8);
@@ -136,8 +128,7 @@ TEST(FitSides, KeepATubeOfAFewDeviations)
 }
 
 // Six points around: no plane of neighbours parts the sides.
-TEST(FitSides, KeepARodOfTwoSpacings)
-{
+TEST(FitSides, KeepARodOfTwoSpacings) {
   const Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
   for (const double noise : {0.0, 0.1}) {
     std::mt19937_64 rng(15);
@@ -167,12 +158,9 @@ struct TouchingSpheres {
   Vector3 u, v, w;
 
   explicit TouchingSpheres(const Vector3& axis)
-      : u(normalized(axis)), v(normalized(cross(u, {1, 5, -2}))), w(cross(u, v))
-  {
-  }
+      : u(normalized(axis)), v(normalized(cross(u, {1, 5, -2}))), w(cross(u, v)) {}
 
-  Cloud cloud() const
-  {
+  Cloud cloud() const {
     Cloud made;
     std::mt19937_64 rng(13);
     std::normal_distribution<double> gauss(0, noise);
@@ -190,8 +178,7 @@ struct TouchingSpheres {
     return made;
   }
 
-  double rms(const Fitted& f) const
-  {
+  double rms(const Fitted& f) const {
     return rmsOf(f, [&](const Vector3& p) {
       return std::min(std::abs(length(along(p, -radius, u)) - radius),
                       std::abs(length(along(p, radius, u)) - radius));
@@ -199,8 +186,7 @@ struct TouchingSpheres {
   }
 };
 
-TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
-{
+TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted) {
   std::vector<double> leaves;
   for (const Vector3& axis : {Vector3{0, 0, 1}, Vector3{2, -1, 3}, Vector3{-1, 0.4, 0.2}}) {
     const TouchingSpheres spheres(axis);
@@ -221,9 +207,7 @@ TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
 }
 
 /** A blade of 30 degrees whose edge is the x axis, spacing 1, noise .1. */
-Cloud
-bladeOf(double length, double width)
-{
+Cloud bladeOf(double length, double width) {
   Cloud blade;
   std::mt19937_64 rng(17);
   std::normal_distribution<double> gauss(0, 0.1);
@@ -238,8 +222,7 @@ bladeOf(double length, double width)
   return blade;
 }
 
-TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
-{
+TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads) {
   const Cloud blade = bladeOf(230, 145);
   FitParams params;
   params.threads = 1;
@@ -252,8 +235,7 @@ TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
   EXPECT_EQ(one.surface.coefficients, three.surface.coefficients);
 }
 
-TEST(FitSides, LeavesOfABladeFaceApart)
-{
+TEST(FitSides, LeavesOfABladeFaceApart) {
   const Fitted f = fitted(bladeOf(80, 50), {});
   EXPECT_TRUE(f.statistics.sides.for_cover);
   EXPECT_TRUE(f.surface.info.oriented);
@@ -269,15 +251,13 @@ TEST(FitSides, LeavesOfABladeFaceApart)
 }
 
 // Cells at the edge contain both faces; the points of each end on their own.
-TEST(FitSides, PointsAtTheEdgeOfABladeStayOnTheirFace)
-{
+TEST(FitSides, PointsAtTheEdgeOfABladeStayOnTheirFace) {
   const Vector3 up = {0, -std::sin(M_PI / 12), std::cos(M_PI / 12)}, down = {0, up[1], -up[2]};
   const Fitted f = fitted(bladeOf(80, 50), {});
   EXPECT_LT(rmsOf(f, [&](const Vector3& p) { return std::max(dot(p, up), dot(p, down)); }), 0.022);
 }
 
-TEST(FitSides, ScatteredPointsGetNone)
-{
+TEST(FitSides, ScatteredPointsGetNone) {
   // Foliage above ground shows sheets wherever one looks, and they agree as chance has it.
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -292,8 +272,7 @@ TEST(FitSides, ScatteredPointsGetNone)
   EXPECT_LT(f.statistics.sides.points, f.store.size() / 100);
 }
 
-TEST(FitSides, NarrowerCellsKeepPlatesApart)
-{
+TEST(FitSides, NarrowerCellsKeepPlatesApart) {
   // As one sheet the plates show twice their noise, and cells cut by that hold both.
   const Plates plates{1.5, 0.3};
   const Fitted f = fitted(plates.cloud(), {});
@@ -301,15 +280,13 @@ TEST(FitSides, NarrowerCellsKeepPlatesApart)
   EXPECT_LT(plates.rms(f), 0.15);
 }
 
-TEST(FitSides, PlatesOneSpacingApartGetSidesByTheNarrowestCells)
-{
+TEST(FitSides, PlatesOneSpacingApartGetSidesByTheNarrowestCells) {
   const Plates plates{1, 0.1};
   EXPECT_LT(plates.rms(fitted(plates.cloud(), {})), 0.03);
 }
 
 // Cells that contain a bit of the other plate have normals of any direction.
-TEST(FitSides, PlatesNextToEachOtherAreAsExactAsFarOnes)
-{
+TEST(FitSides, PlatesNextToEachOtherAreAsExactAsFarOnes) {
   for (const double noise : {0.1, 0.3}) {
     const double far = Plates{5, noise}.rms(fitted(Plates{5, noise}.cloud()));
     const Plates near{2, noise};
@@ -321,8 +298,7 @@ TEST(FitSides, PlatesNextToEachOtherAreAsExactAsFarOnes)
   }
 }
 
-TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)
-{
+TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind) {
   const Plates plates{12, 0.3};
   const Cloud cloud = plates.cloud(70);
   FitParams params;
@@ -334,8 +310,7 @@ TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)
   EXPECT_LT(plates.rms(with), 0.85 * plates.rms(without));
 }
 
-TEST(FitSides, FacesOutward)
-{
+TEST(FitSides, FacesOutward) {
   const Plates plates{3, 0.3};
   const Fitted f = fitted(plates.cloud(), {});
   std::size_t outward = 0;
@@ -347,16 +322,14 @@ TEST(FitSides, FacesOutward)
   EXPECT_GT(outward, f.store.size() * 98 / 100);
 }
 
-TEST(FitSides, FindsTheNoiseOnceSidesAreKnown)
-{
+TEST(FitSides, FindsTheNoiseOnceSidesAreKnown) {
   const Plates plates{3, 0.3};
   const Fitted f = fitted(plates.cloud(), {});
   const double sigma = std::sqrt(f.statistics.lambda) * f.store.diagonal() * f.store.scale();
   EXPECT_NEAR(sigma, 0.3, 0.03);
 }
 
-TEST(FitSides, DoNotDependOnScale)
-{
+TEST(FitSides, DoNotDependOnScale) {
   const Plates plates{3, 0.3};
   for (const double scale : {1e-3, 37.0}) {
     const Fitted f = fitted(plates.cloud(50, scale), {});
@@ -365,8 +338,7 @@ TEST(FitSides, DoNotDependOnScale)
   }
 }
 
-TEST(FitSides, TurnAndThinningDoNotDecide)
-{
+TEST(FitSides, TurnAndThinningDoNotDecide) {
   Plates plates{3, 0.3};
   plates.u = {1, 0, 0};
   plates.v = {0, 1, 0};
@@ -381,8 +353,7 @@ TEST(FitSides, TurnAndThinningDoNotDecide)
   EXPECT_LT(turned.rms(f), 0.08);
 }
 
-TEST(FitSides, AThickCloudIsFittedAsWithoutThem)
-{
+TEST(FitSides, AThickCloudIsFittedAsWithoutThem) {
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 8000, 0.001).withoutNormals();
   FitParams params;
   const Fitted with = fitted(cloud, params);
@@ -395,8 +366,7 @@ TEST(FitSides, AThickCloudIsFittedAsWithoutThem)
   EXPECT_EQ(with.projection.position, without.projection.position);
 }
 
-TEST(FitSides, AnyNumberOfThreadsGivesTheSame)
-{
+TEST(FitSides, AnyNumberOfThreadsGivesTheSame) {
   const Plates plates{2, 0.2};
   SLIMSurface surfaces[2];
   for (const int i : {0, 1}) {
@@ -411,8 +381,7 @@ TEST(FitSides, AnyNumberOfThreadsGivesTheSame)
   EXPECT_EQ(surfaces[0].nx, surfaces[1].nx);
 }
 
-TEST(FitSides, ViewpointsAndGivenNormalsWin)
-{
+TEST(FitSides, ViewpointsAndGivenNormalsWin) {
   const Plates plates{3, 0.3};
   FitParams params;
   params.viewpoint = {{0, 0, 1000}};
@@ -427,8 +396,7 @@ TEST(FitSides, ViewpointsAndGivenNormalsWin)
   EXPECT_TRUE(given.store.hasNormals());
 }
 
-TEST(FitSides, AConstStoreStaysAsItIs)
-{
+TEST(FitSides, AConstStoreStaysAsItIs) {
   const Plates plates{3, 0.3};
   PointStore store = storeOf(plates.cloud());
   const PointStore& fixed = store;

@@ -21,9 +21,7 @@ using measure::Shape;
 using namespace pcl_slim_test;
 
 /** Random heights, slopes and weights of slopes over the unit disc: nothing fits them exactly. */
-BallBuffer
-randomBall(std::size_t count, double slope_weight)
-{
+BallBuffer randomBall(std::size_t count, double slope_weight) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> place(-1.0f, 1.0f);
   BallBuffer ball;
@@ -54,10 +52,9 @@ struct Reference {
   double residual_sq, slope_misfit, terms;
 };
 
-/** The same problem in double: three rows a point, solved by QR; terms by the matrices themselves. */
-Reference
-reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel)
-{
+/** The same problem in double: three rows a point, solved by QR; terms by the matrices themselves.
+ */
+Reference reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel) {
   const int terms = numCoefficients(degree);
   const auto n = static_cast<Eigen::Index>(ball.count);
   Eigen::MatrixXd heights(n, terms), slopes(2 * n, terms);
@@ -93,8 +90,7 @@ reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel)
   return r;
 }
 
-TEST(NormalsAsData, FitBallAgreesWithDoubleLeastSquares)
-{
+TEST(NormalsAsData, FitBallAgreesWithDoubleLeastSquares) {
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     for (const double slope_weight : {0.01, 1.0, 50.0}) {
       for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
@@ -115,8 +111,7 @@ TEST(NormalsAsData, FitBallAgreesWithDoubleLeastSquares)
   }
 }
 
-TEST(NormalsAsData, SlopesAreThoseOfThePolynomialTheNormalsBelongTo)
-{
+TEST(NormalsAsData, SlopesAreThoseOfThePolynomialTheNormalsBelongTo) {
   // h = .3 u - .2 v + .5 u v in a tilted frame, normals (-h_u, -h_v, 1) turned into the world.
   const LocalFrame frame({0.36, -0.48, 0.8});
   BallBuffer ball;
@@ -151,9 +146,7 @@ TEST(NormalsAsData, SlopesAreThoseOfThePolynomialTheNormalsBelongTo)
 }
 
 /** Errors of a fit to 30,000 noisy points whose normals are off by so much an axis. */
-pcl_slim_test::Errors
-errorsWith(Shape shape, double noise, double per_axis, bool data)
-{
+pcl_slim_test::Errors errorsWith(Shape shape, double noise, double per_axis, bool data) {
   FitParams params;
   params.normals_as_data = data;
   const auto f = fitted(sceneCloud(shape, 30000, noise, per_axis), params, true);
@@ -162,8 +155,7 @@ errorsWith(Shape shape, double noise, double per_axis, bool data)
   return errorsOf(shape, f);
 }
 
-TEST(NormalsAsData, GoodOnesHelpAndBadOnesDoNoHarm)
-{
+TEST(NormalsAsData, GoodOnesHelpAndBadOnesDoNoHarm) {
   for (const Shape shape : {Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
     const auto without = errorsWith(shape, 0.005, 0.05, false);
     const auto with = errorsWith(shape, 0.005, 0.05, true);
@@ -177,8 +169,7 @@ TEST(NormalsAsData, GoodOnesHelpAndBadOnesDoNoHarm)
   }
 }
 
-TEST(NormalsAsData, ThoseThatRepeatThePointsAreLeftAside)
-{
+TEST(NormalsAsData, ThoseThatRepeatThePointsAreLeftAside) {
   const Cloud cloud = withPlaneNormals(sceneCloud(Shape::kTorus, 20000, 0.002), 15);
   FitParams params;
   const auto plain = fitted(cloud, params);
@@ -194,8 +185,7 @@ TEST(NormalsAsData, ThoseThatRepeatThePointsAreLeftAside)
   EXPECT_NE(insisted.surface.coefficients, plain.surface.coefficients);
 }
 
-TEST(NormalsAsData, AsksForWhatMakesSense)
-{
+TEST(NormalsAsData, AsksForWhatMakesSense) {
   const auto messageOf = [](const Cloud& cloud, const FitParams& params) {
     SLIMSurface surface;
     return fitSurface(storeOf(cloud), params, surface).message;

@@ -15,8 +15,7 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-TEST(Penalty, ReachesATargetError)
-{
+TEST(Penalty, ReachesATargetError) {
   for (const bool normals : {true, false}) {
     for (const double noise : {0.0, 0.0003}) {
       Cloud cloud = sceneCloud(Shape::kBumpy, 10000, noise);
@@ -33,8 +32,7 @@ TEST(Penalty, ReachesATargetError)
   }
 }
 
-TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem)
-{
+TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
   FitParams params;
   params.size = TargetError{0.1};
@@ -44,8 +42,7 @@ TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem)
   EXPECT_LT(f.statistics.leaves, 400u);
 }
 
-TEST(Penalty, ALargerTargetNeedsFewerLeaves)
-{
+TEST(Penalty, ALargerTargetNeedsFewerLeaves) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
   std::uint64_t last = ~0ull;
   for (const double target : {1e-5, 1e-4, 1e-3}) {
@@ -57,8 +54,7 @@ TEST(Penalty, ALargerTargetNeedsFewerLeaves)
   }
 }
 
-TEST(Penalty, TheFactorSolvedForRepeatsTheFit)
-{
+TEST(Penalty, TheFactorSolvedForRepeatsTheFit) {
   for (const double noise : {0.0, 0.0003}) {
     const Cloud cloud = sceneCloud(Shape::kBumpy, 6000, noise).withoutNormals();
     for (const bool error : {true, false}) {
@@ -84,8 +80,7 @@ TEST(Penalty, TheFactorSolvedForRepeatsTheFit)
   }
 }
 
-TEST(Penalty, SaysWhenATargetLiesBelowTheNoise)
-{
+TEST(Penalty, SaysWhenATargetLiesBelowTheNoise) {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 8000, 0.002));
   FitParams params;
   params.size = TargetError{2e-4};
@@ -97,8 +92,7 @@ TEST(Penalty, SaysWhenATargetLiesBelowTheNoise)
   EXPECT_TRUE(surface.empty());
 }
 
-TEST(Penalty, KeepsALimitOnSurfels)
-{
+TEST(Penalty, KeepsALimitOnSurfels) {
   for (const bool normals : {true, false}) {
     Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.00002);
     if (!normals) cloud = cloud.withoutNormals();
@@ -117,8 +111,7 @@ TEST(Penalty, KeepsALimitOnSurfels)
   }
 }
 
-TEST(Penalty, SaysWhenALimitIsTooLow)
-{
+TEST(Penalty, SaysWhenALimitIsTooLow) {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.0));
   FitParams params;
   params.size = MaxSurfels{1};
@@ -129,8 +122,7 @@ TEST(Penalty, SaysWhenALimitIsTooLow)
   EXPECT_TRUE(surface.empty());
 }
 
-TEST(Penalty, SolvedForIsTheSameForAnyNumberOfThreads)
-{
+TEST(Penalty, SolvedForIsTheSameForAnyNumberOfThreads) {
   const PointStore store = storeOf(sceneCloud(Shape::kTorus, 6000, 0.00002));
   FitParams params;
   params.size = MaxSurfels{500};

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "support/lab/sensor.h"
 #include "support/clouds.h"
+#include "support/lab/sensor.h"
 
 namespace pcl_slim {
 namespace {
@@ -19,9 +19,7 @@ struct Errors {
   FitStatistics fit;
 };
 
-Errors
-errorsOf(const SensorScan& scan, const FitParams& params = {})
-{
+Errors errorsOf(const SensorScan& scan, const FitParams& params = {}) {
   CloudView view;
   view.xyz = scan.points.data();
   view.xyz_stride = 3 * sizeof(float);
@@ -48,9 +46,7 @@ errorsOf(const SensorScan& scan, const FitParams& params = {})
   return errors;
 }
 
-measure::DepthCamera
-camera(int box, double step, double sigma = 0.06)
-{
+measure::DepthCamera camera(int box, double step, double sigma = 0.06) {
   measure::DepthCamera camera;
   camera.correlated_x = camera.correlated_y = box;
   camera.step = step;
@@ -58,16 +54,13 @@ camera(int box, double step, double sigma = 0.06)
   return camera;
 }
 
-FitParams
-withoutRecognition()
-{
+FitParams withoutRecognition() {
   FitParams params;
   params.noise_correlation = 1;
   return params;
 }
 
-TEST(SensorNoise, OfDepthCamerasIsTakenOff)
-{
+TEST(SensorNoise, OfDepthCamerasIsTakenOff) {
   for (const auto& made : {camera(3, 0.125), camera(1, 0.125, 0), camera(5, 0)}) {
     const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), made, 3);
     const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
@@ -78,9 +71,9 @@ TEST(SensorNoise, OfDepthCamerasIsTakenOff)
   }
 }
 
-TEST(SensorNoise, StepsThatDitherCostNothing)
-{
-  // Steps crossed within a few pixels of fine waves: taken for wide terraces they would flatten these.
+TEST(SensorNoise, StepsThatDitherCostNothing) {
+  // Steps crossed within a few pixels of fine waves: taken for wide terraces they would flatten
+  // these.
   const SensorScan scan = scanByCamera(measure::namedSolids("wave6"), camera(1, 0.125, 0), 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
   EXPECT_GT(on.fit.noise.step, 0.0);
@@ -88,8 +81,7 @@ TEST(SensorNoise, StepsThatDitherCostNothing)
   EXPECT_LT(on.normal, off.normal);
 }
 
-TEST(SensorNoise, WhiteNoiseIsFittedAsBefore)
-{
+TEST(SensorNoise, WhiteNoiseIsFittedAsBefore) {
   const SensorScan scan = scanByCamera(measure::namedSolids("wave15"), camera(1, 0), 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
   EXPECT_EQ(on.position, off.position);
@@ -97,8 +89,7 @@ TEST(SensorNoise, WhiteNoiseIsFittedAsBefore)
   EXPECT_EQ(on.fit.leaves, off.fit.leaves);
 }
 
-TEST(SensorNoise, CorrelationCanBeGiven)
-{
+TEST(SensorNoise, CorrelationCanBeGiven) {
   // Noise over 9 pixels on waves cannot be told from relief; told, it is smoothed.
   const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(9, 0), 3);
   FitParams told;
@@ -108,8 +99,7 @@ TEST(SensorNoise, CorrelationCanBeGiven)
   EXPECT_LT(on.position, 0.8 * off.position);
 }
 
-TEST(SensorNoise, TerracesOfACameraAreNoSheets)
-{
+TEST(SensorNoise, TerracesOfACameraAreNoSheets) {
   for (const char* solids : {"room", "frontal hall"}) {
     const Errors e = errorsOf(scanByCamera(measure::namedSolids(solids), camera(3, 0.125), 1));
     EXPECT_EQ(e.fit.sides.points, 0u) << solids;
@@ -117,15 +107,13 @@ TEST(SensorNoise, TerracesOfACameraAreNoSheets)
   }
 }
 
-TEST(SensorNoise, ALidarsWallsAreNoDetail)
-{
+TEST(SensorNoise, ALidarsWallsAreNoDetail) {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
   EXPECT_LT(on.normal, 0.75 * off.normal);
 }
 
-TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
-{
+TEST(SensorNoise, AlongALidarsRingsIsNoDetail) {
   // Twenty neighbours lie on one ring, along which no noise shows.
   measure::TurningLidar lidar;
   lidar.rings = 32;
@@ -139,9 +127,9 @@ TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
   EXPECT_LT(on.position, 0.6 * off.position);
 }
 
-TEST(SensorNoise, AlongRingsIsNoShape)
-{
-  // Many of the smallest patches are on one ring and show nothing, so that wider ones seem to grow by shape.
+TEST(SensorNoise, AlongRingsIsNoShape) {
+  // Many of the smallest patches are on one ring and show nothing, so that wider ones seem to grow
+  // by shape.
   measure::TurningLidar lidar;
   lidar.rings = 40;
   lidar.lowest = -16;
@@ -154,9 +142,9 @@ TEST(SensorNoise, AlongRingsIsNoShape)
   }
 }
 
-TEST(SensorNoise, CreasesAreNoNoise)
-{
-  // Patches wide enough to see several rings hold a pole or a crease in more than a tenth of all places.
+TEST(SensorNoise, CreasesAreNoNoise) {
+  // Patches wide enough to see several rings hold a pole or a crease in more than a tenth of all
+  // places.
   measure::TurningLidar lidar;
   lidar.rings = 32;
   lidar.lowest = -16;
@@ -169,8 +157,7 @@ TEST(SensorNoise, CreasesAreNoNoise)
   EXPECT_LT(errors.normal, 11.0);
 }
 
-TEST(SensorNoise, IsLimitedWhereRingsAreFarApart)
-{
+TEST(SensorNoise, IsLimitedWhereRingsAreFarApart) {
   // Patches of the far facade contain the ground before it, whose distance is no noise.
   measure::TurningLidar lidar;
   lidar.rings = 24;
@@ -182,8 +169,7 @@ TEST(SensorNoise, IsLimitedWhereRingsAreFarApart)
   EXPECT_LT(errorsOf(scan).position, 0.0025);
 }
 
-TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff)
-{
+TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff) {
   const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(3, 0.125), 3);
   FitParams params;
   const FitStatistics automatic = errorsOf(scan).fit;
@@ -198,8 +184,7 @@ TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff)
   EXPECT_NE(off.leaves, automatic.leaves);
 }
 
-TEST(SensorNoise, AModelStandsInItsPlace)
-{
+TEST(SensorNoise, AModelStandsInItsPlace) {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);
   FitParams params;
   params.noise_model = {{0.02, 0, 0}};
@@ -219,8 +204,7 @@ TEST(SensorNoise, AModelStandsInItsPlace)
   EXPECT_TRUE(params.validate());
 }
 
-TEST(SensorNoise, TheSensorIsTheSide)
-{
+TEST(SensorNoise, TheSensorIsTheSide) {
   SensorScan scan = scanByCamera(measure::namedSolids("balls"), camera(1, 0), 3);
   CloudView view;
   view.xyz = scan.points.data();

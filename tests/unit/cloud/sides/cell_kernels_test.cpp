@@ -18,9 +18,7 @@ using namespace pcl_slim_test;
 constexpr std::size_t kCells = SideConstants::kMostNeighbors;
 
 /** Cells on two sheets, .6 apart along z, and the covariances of their points. */
-NearCells
-twoSheets(std::uint64_t seed)
-{
+NearCells twoSheets(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   NearCells near;
@@ -33,14 +31,11 @@ twoSheets(std::uint64_t seed)
   return near;
 }
 
-double
-heightOf(const NearCells& near, std::size_t k, const std::array<double, 3>& n)
-{
+double heightOf(const NearCells& near, std::size_t k, const std::array<double, 3>& n) {
   return n[0] * near.columns[1][k] + n[1] * near.columns[2][k] + n[2] * near.columns[3][k];
 }
 
-TEST(CellKernels, SumsAreThoseOfALoop)
-{
+TEST(CellKernels, SumsAreThoseOfALoop) {
   const NearCells near = twoSheets(1);
   forEachInstructionSet([&](const char* target) {
     for (const std::uint64_t chosen :
@@ -65,8 +60,7 @@ TEST(CellKernels, SumsAreThoseOfALoop)
   });
 }
 
-TEST(CellKernels, SheetsArePartedAsByALoop)
-{
+TEST(CellKernels, SheetsArePartedAsByALoop) {
   const std::array<double, 3> normal = {0.1, 0.2, std::sqrt(0.95)};
   forEachInstructionSet([&](const char* target) {
     for (const std::size_t count : {std::size_t{12}, std::size_t{18}, kCells}) {
@@ -92,8 +86,7 @@ TEST(CellKernels, SheetsArePartedAsByALoop)
   });
 }
 
-TEST(CellKernels, CellsOfOneHeightAreNotParted)
-{
+TEST(CellKernels, CellsOfOneHeightAreNotParted) {
   NearCells near;
   for (auto& column : near.columns) column.fill(0);
   std::fill_n(near.columns[0].begin(), kCells, 2.0);

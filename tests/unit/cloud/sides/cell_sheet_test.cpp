@@ -17,8 +17,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-TEST(CellSheet, NearestCellsAreThoseOfASort)
-{
+TEST(CellSheet, NearestCellsAreThoseOfASort) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> gauss(0, 1);
   Cloud cloud;
@@ -45,8 +44,7 @@ TEST(CellSheet, NearestCellsAreThoseOfASort)
 }
 
 // Every neighbourhood of a plane's size contains all sides of a rod six points around.
-TEST(CellSheet, NormalsOfAThinRodAreRadial)
-{
+TEST(CellSheet, NormalsOfAThinRodAreRadial) {
   Cloud cloud;
   for (int ring = 0; ring < 100; ++ring) {
     for (int i = 0; i < 6; ++i) {
@@ -81,8 +79,7 @@ TEST(CellSheet, NormalsOfAThinRodAreRadial)
   EXPECT_GT(rods, cut.cells.size() * 9 / 10);
 }
 
-TEST(CellSheet, WindowHasTheCellsWithinTwoSteps)
-{
+TEST(CellSheet, WindowHasTheCellsWithinTwoSteps) {
   std::mt19937_64 rng(6);
   std::uniform_real_distribution<double> unit(0, 1);
   Cloud cloud;

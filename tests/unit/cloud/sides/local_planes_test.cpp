@@ -19,9 +19,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-PointStore
-noisyStore(std::size_t points)
-{
+PointStore noisyStore(std::size_t points) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> gauss(0, 1);
   Cloud cloud;
@@ -32,15 +30,12 @@ noisyStore(std::size_t points)
   return storeOf(cloud);
 }
 
-Eigen::Vector3d
-placeOf(const PointStore& store, std::size_t i)
-{
+Eigen::Vector3d placeOf(const PointStore& store, std::size_t i) {
   const auto p = store.position(i);
   return {p[0], p[1], p[2]};
 }
 
-TEST(LocalPlanes, FeetAreThoseOfAllPairs)
-{
+TEST(LocalPlanes, FeetAreThoseOfAllPairs) {
   const PointStore store = noisyStore(600);
   constexpr std::size_t kNear = 24;
   const auto feet = detail::feetOnLocalPlanes(store, kNear, 2);
@@ -63,8 +58,7 @@ TEST(LocalPlanes, FeetAreThoseOfAllPairs)
   }
 }
 
-TEST(LocalPlanes, AStoreOfMovedPointsAnswersForTheirNewPlaces)
-{
+TEST(LocalPlanes, AStoreOfMovedPointsAnswersForTheirNewPlaces) {
   PointStore store = noisyStore(3000);
   const PointStore before = store;
   const auto feet = detail::feetOnLocalPlanes(store, 32, 1);

@@ -22,8 +22,7 @@ struct Blade {
   double slope = std::tan(M_PI / 12);
   PointStore store;
 
-  explicit Blade(double noise)
-  {
+  explicit Blade(double noise) {
     std::mt19937_64 rng(5);
     std::normal_distribution<double> gauss(0, noise);
     Cloud cloud;
@@ -41,9 +40,9 @@ struct Blade {
   bool isUpper(std::size_t stored) const { return upper[store.orderOfStore()[stored]]; }
   double fromEdge(std::size_t stored) const { return from_edge[store.orderOfStore()[stored]]; }
 
-  /** Outward normals, but for those of points near the edge, which all face up, as those of one cell. */
-  Normals normalsOfCells(double near) const
-  {
+  /** Outward normals, but for those of points near the edge, which all face up, as those of one
+   * cell. */
+  Normals normalsOfCells(double near) const {
     const auto z = static_cast<float>(1 / std::hypot(1, slope));
     Normals normals(store.size());
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -53,8 +52,7 @@ struct Blade {
     return normals;
   }
 
-  std::size_t wrongBeyond(double least, const Normals& normals) const
-  {
+  std::size_t wrongBeyond(double least, const Normals& normals) const {
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < normals.size(); ++i)
       wrong += fromEdge(i) > least && (normals[i][2] > 0) != isUpper(i);
@@ -66,9 +64,7 @@ struct Blade {
 };
 
 /** The greatest angle between the normals of points that have both. */
-double
-greatestAngle(const Normals& normals, const Normals& others)
-{
+double greatestAngle(const Normals& normals, const Normals& others) {
   double least = 1;
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (others[i] == std::array<float, 3>{}) continue;
@@ -79,8 +75,7 @@ greatestAngle(const Normals& normals, const Normals& others)
   return std::acos(std::clamp(least, -1.0, 1.0));
 }
 
-TEST(SettleSides, SpreadToTheEdgeOfABlade)
-{
+TEST(SettleSides, SpreadToTheEdgeOfABlade) {
   const detail::SideConstants constants;
   const Blade clean(0), noisy(0.1);
   for (const Blade* blade : {&clean, &noisy}) {
@@ -91,8 +86,7 @@ TEST(SettleSides, SpreadToTheEdgeOfABlade)
   }
 }
 
-TEST(SettleSides, AnyNumberOfThreadsGivesTheSame)
-{
+TEST(SettleSides, AnyNumberOfThreadsGivesTheSame) {
   const detail::SideConstants constants;
   const Blade blade(0.1);
   Normals one = blade.normalsOfCells(6), three = one;
@@ -101,8 +95,7 @@ TEST(SettleSides, AnyNumberOfThreadsGivesTheSame)
   EXPECT_EQ(one, three);
 }
 
-TEST(SettleSides, RightSidesStayAndPointsWithoutASideGetNone)
-{
+TEST(SettleSides, RightSidesStayAndPointsWithoutASideGetNone) {
   const detail::SideConstants constants;
   const Blade blade(0);
   Normals normals = blade.normalsOfCells(0);
@@ -119,8 +112,7 @@ struct Plates {
   PointStore store;
   Normals outward;
 
-  Plates()
-  {
+  Plates() {
     std::mt19937_64 rng(6);
     std::normal_distribution<double> gauss(0, 0.1);
     Cloud cloud;
@@ -134,8 +126,7 @@ struct Plates {
   }
 };
 
-TEST(SettleSides, NormalsAcrossThoseOfTheirNeighboursAreStraightened)
-{
+TEST(SettleSides, NormalsAcrossThoseOfTheirNeighboursAreStraightened) {
   const Plates plates;
   Normals normals = plates.outward;
   std::mt19937_64 rng(7);
@@ -147,8 +138,7 @@ TEST(SettleSides, NormalsAcrossThoseOfTheirNeighboursAreStraightened)
   EXPECT_LT(greatestAngle(normals, plates.outward), 0.15);
 }
 
-TEST(SettleSides, PointsHaveTheNormalsOfTheirNeighboursOnTheSheet)
-{
+TEST(SettleSides, PointsHaveTheNormalsOfTheirNeighboursOnTheSheet) {
   const Plates plates;
   Normals normals = plates.outward;
   std::mt19937_64 rng(8);
@@ -164,8 +154,7 @@ TEST(SettleSides, PointsHaveTheNormalsOfTheirNeighboursOnTheSheet)
 }
 
 // Sheets of all directions have none in common: the normals of a tube of radius 2 stay.
-TEST(SettleSides, NormalsOfATubeAreNotStraightened)
-{
+TEST(SettleSides, NormalsOfATubeAreNotStraightened) {
   Cloud cloud;
   for (int ring = 0; ring < 60; ++ring) {
     for (int i = 0; i < 12; ++i) {

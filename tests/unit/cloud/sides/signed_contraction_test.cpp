@@ -12,9 +12,8 @@ namespace {
 using namespace pcl_slim::detail;
 
 /** Edges of a grid whose nodes have hidden signs, a share of them wrong and weak. */
-std::vector<SignedEdge>
-gridEdges(std::uint32_t side, const std::vector<int>& hidden, double wrong, std::uint64_t seed)
-{
+std::vector<SignedEdge> gridEdges(std::uint32_t side, const std::vector<int>& hidden, double wrong,
+                                  std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<SignedEdge> edges;
@@ -32,8 +31,7 @@ gridEdges(std::uint32_t side, const std::vector<int>& hidden, double wrong, std:
   return edges;
 }
 
-TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges)
-{
+TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges) {
   const std::uint32_t side = 40;
   std::mt19937_64 rng(3);
   std::vector<int> hidden(side * side);
@@ -48,16 +46,14 @@ TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges)
   EXPECT_GT(std::max(right, hidden.size() - right), hidden.size() * 97 / 100);
 }
 
-TEST(SignedContraction, KeepsUnconnectedPartsApart)
-{
+TEST(SignedContraction, KeepsUnconnectedPartsApart) {
   const SignedParts parts = contractSigned(5, {{0, 1, 1.0}, {2, 3, -0.5}});
   EXPECT_EQ(parts.part, (std::vector<std::uint32_t>{0, 0, 2, 2, 4}));
   EXPECT_EQ(parts.signs[0] * parts.signs[1], 1);
   EXPECT_EQ(parts.signs[2] * parts.signs[3], -1);
 }
 
-TEST(SignedContraction, SumsDecideWhereSingleEdgesDisagree)
-{
+TEST(SignedContraction, SumsDecideWhereSingleEdgesDisagree) {
   // 0-1 are joined first; three weak edges of 2 then outweigh its strongest one.
   const SignedParts parts =
       contractSigned(3, {{0, 1, 1.0}, {0, 2, 0.5}, {1, 2, -0.3}, {2, 1, -0.3}});
@@ -65,8 +61,7 @@ TEST(SignedContraction, SumsDecideWhereSingleEdgesDisagree)
   EXPECT_EQ(parts.signs[0] * parts.signs[2], -1);
 }
 
-TEST(SignedContraction, OrderAndDirectionOfEdgesDoNotMatter)
-{
+TEST(SignedContraction, OrderAndDirectionOfEdgesDoNotMatter) {
   const std::uint32_t side = 60;
   std::vector<int> hidden(side * side, 1);
   const auto edges = gridEdges(side, hidden, 0.2, 9);
@@ -78,8 +73,7 @@ TEST(SignedContraction, OrderAndDirectionOfEdgesDoNotMatter)
   EXPECT_TRUE(contractSigned(0, {}).signs.empty());
 }
 
-TEST(SignedContraction, ANodeMayHaveManyEdges)
-{
+TEST(SignedContraction, ANodeMayHaveManyEdges) {
   // A hub in the middle of the numbers, and few edges for the many nodes.
   std::vector<SignedEdge> edges;
   for (std::uint32_t i = 0; i < 400; ++i) {

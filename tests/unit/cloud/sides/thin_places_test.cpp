@@ -14,9 +14,7 @@ using namespace pcl_slim;
 using namespace pcl_slim_test;
 
 /** Two plates a gap apart, one point for each squared unit of each, with noise. */
-PointStore
-plates(double gap, double noise, unsigned seed)
-{
+PointStore plates(double gap, double noise, unsigned seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform(0, 70);
   std::normal_distribution<double> gauss(0, noise);
@@ -29,8 +27,7 @@ plates(double gap, double noise, unsigned seed)
 }
 
 // Cubics fit both with a residual of 1.7 to 1.9 spacings.
-TEST(ThinPlaces, TwoSheetsAreNotOneRoughSheet)
-{
+TEST(ThinPlaces, TwoSheetsAreNotOneRoughSheet) {
   const detail::SideConstants sides;
   const detail::NoiseConstants noise;
   for (const unsigned seed : {1u, 2u, 3u}) {
@@ -43,8 +40,7 @@ TEST(ThinPlaces, TwoSheetsAreNotOneRoughSheet)
   }
 }
 
-TEST(ThinPlaces, AnyNumberOfThreadsFindsTheSame)
-{
+TEST(ThinPlaces, AnyNumberOfThreadsFindsTheSame) {
   const detail::SideConstants sides;
   const detail::NoiseConstants noise;
   const PointStore store = plates(3.2, 0.9, 1);

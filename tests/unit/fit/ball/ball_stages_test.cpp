@@ -26,16 +26,14 @@ struct Bench {
       : store(storeOf(cloud)),
         plan(planFor(store, FitParams().resolved(), FitConstants(), {})),
         gatherer(store, plan),
-        search(plan)
-  {
+        search(plan) {
     plan.energy.lambda = plan.noise = lambda;
     const float low[3] = {-2, -2, -2}, high[3] = {2, 2, 2};
     gatherer.nearby().collect(store.tree(), low, high);
   }
 
   /** The ball of the stored point nearest to the middle, framed and begun on. */
-  FramedBall framedBall(double radius)
-  {
+  FramedBall framedBall(double radius) {
     std::size_t nearest = 0;
     double least = 1e9;
     for (std::size_t i = 0; i < store.size(); ++i) {
@@ -58,8 +56,7 @@ struct Bench {
   RadiusSearch search;
 };
 
-TEST(BallStages, AGatheredBallHoldsThePointsWithinItsRadius)
-{
+TEST(BallStages, AGatheredBallHoldsThePointsWithinItsRadius) {
   Bench bench(heightField(4000, 3, [](double x, double y) { return 0.1 * x * y; }));
   const BallSite site = siteOf(bench.store, bench.plan, 77, 0.1);
   const GatheredBall ball = bench.gatherer.gather(site);
@@ -75,8 +72,7 @@ TEST(BallStages, AGatheredBallHoldsThePointsWithinItsRadius)
   EXPECT_FALSE(ball.empty());
 }
 
-TEST(BallStages, ATiltedPlaneIsFlatInItsFrame)
-{
+TEST(BallStages, ATiltedPlaneIsFlatInItsFrame) {
   const Cloud plain = heightField(4000, 3, [](double x, double y) { return 0.5 * x - 0.2 * y; });
   const double length = std::sqrt(1 + 0.25 + 0.04);
   Cloud with_normals;
@@ -96,8 +92,7 @@ TEST(BallStages, ATiltedPlaneIsFlatInItsFrame)
   }
 }
 
-TEST(BallStages, ANormalThatNeighboursDoNotShareIsAlone)
-{
+TEST(BallStages, ANormalThatNeighboursDoNotShareIsAlone) {
   const Cloud plain = heightField(4000, 3, [](double, double) { return 0.0; });
   Cloud cloud;
   for (std::size_t i = 0; i < plain.points.size(); i += 3) {
@@ -115,8 +110,7 @@ TEST(BallStages, ANormalThatNeighboursDoNotShareIsAlone)
   EXPECT_EQ(alone, 1u);
 }
 
-TEST(BallStages, TheOtherOfTwoSheetsIsDropped)
-{
+TEST(BallStages, TheOtherOfTwoSheetsIsDropped) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   Cloud cloud = heightField(8000, 12, [&](double, double) { return 0.001 * normal(random); });
@@ -133,8 +127,7 @@ TEST(BallStages, TheOtherOfTwoSheetsIsDropped)
     ASSERT_NEAR(own.points->w[i], 0.0f, 0.1f) << "a point of the other sheet";
 }
 
-TEST(BallStages, OneSheetIsLeftWhole)
-{
+TEST(BallStages, OneSheetIsLeftWhole) {
   Bench bench(heightField(4000, 3, [](double x, double y) { return 0.3 * x * y; }));
   const FramedBall ball = bench.framedBall(0.1);
   const std::size_t gathered = ball.points->count;
@@ -143,8 +136,7 @@ TEST(BallStages, OneSheetIsLeftWhole)
   EXPECT_EQ(splitter.numSplit(), 0u);
 }
 
-TEST(BallStages, AStrayCentreMovesOntoItsFit)
-{
+TEST(BallStages, AStrayCentreMovesOntoItsFit) {
   Bench bench(heightField(4000, 3, [](double, double) { return 0.0; }));
   BallSite site = bench.framedBall(0.1).site;
   const float plane = site.center[2];

@@ -16,8 +16,7 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-TEST(NormalError, IsThatOfNormalsMeasuredApart)
-{
+TEST(NormalError, IsThatOfNormalsMeasuredApart) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0005, 0.002, 0.005}) {
       const double per_axis = 0.08;
@@ -30,8 +29,7 @@ TEST(NormalError, IsThatOfNormalsMeasuredApart)
   }
 }
 
-TEST(NormalError, NormalsComputedFromThePointsAreNoNews)
-{
+TEST(NormalError, NormalsComputedFromThePointsAreNoNews) {
   for (const Shape shape : {Shape::kSphere, Shape::kBumpy}) {
     const Cloud cloud = sceneCloud(shape, 20000, 0.002);
     for (const std::size_t k : {8, 15, 30, 60, 150}) {
@@ -42,15 +40,13 @@ TEST(NormalError, NormalsComputedFromThePointsAreNoNews)
   }
 }
 
-TEST(NormalError, FewPointsTellNothing)
-{
+TEST(NormalError, FewPointsTellNothing) {
   const auto few = measureNormalError(storeOf(sceneCloud(Shape::kSphere, 90, 0.002, 0.05)), {}, 1);
   EXPECT_EQ(few.radians, 0.0);
   EXPECT_FALSE(few.independent());
 }
 
-TEST(NormalError, IsTheSameForAnyNumberOfThreads)
-{
+TEST(NormalError, IsTheSameForAnyNumberOfThreads) {
   const PointStore store = storeOf(sceneCloud(Shape::kRelief, 20000, 0.002, 0.05));
   const auto one = measureNormalError(store, {}, 1);
   for (const int threads : {2, 8}) {

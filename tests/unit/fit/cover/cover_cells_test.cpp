@@ -16,9 +16,7 @@ using namespace detail;
 namespace {
 
 /** Coordinates of a cell, bit by bit. */
-std::array<int, 3>
-placeOf(std::uint64_t code)
-{
+std::array<int, 3> placeOf(std::uint64_t code) {
   std::array<int, 3> place{};
   for (int bit = 0; bit < kMortonBits; ++bit) {
     for (int a = 0; a < 3; ++a)
@@ -27,8 +25,7 @@ placeOf(std::uint64_t code)
   return place;
 }
 
-TEST(CoverCells, KnowTheCellsTheyTouch)
-{
+TEST(CoverCells, KnowTheCellsTheyTouch) {
   const PointStore store = pcl_slim_test::storeOf(
       pcl_slim_test::sceneCloud(measure::Shape::kTorus, 5000, 0.01).withoutNormals());
   AlignedVector<std::uint32_t> points(store.size());

@@ -12,8 +12,7 @@ using namespace detail;
 
 namespace {
 
-TEST(VisitOrder, VisitsEveryPlaceOnceAndKnowsWhen)
-{
+TEST(VisitOrder, VisitsEveryPlaceOnceAndKnowsWhen) {
   for (const std::uint32_t n : {1u, 2u, 3u, 4u, 5u, 8u, 13u, 21u, 100u, 210u, 1557u, 4096u}) {
     for (const std::uint32_t start : {0u, n / 3, n - 1}) {
       VisitOrder order(n, start);
@@ -32,8 +31,7 @@ TEST(VisitOrder, VisitsEveryPlaceOnceAndKnowsWhen)
   }
 }
 
-TEST(VisitOrder, CountsBeyondHalfOf32Bits)
-{
+TEST(VisitOrder, CountsBeyondHalfOf32Bits) {
   const std::uint32_t n = 4000000007u;
   VisitOrder order(n, n - 5);
   VisitOrder asked = order;
@@ -44,10 +42,10 @@ TEST(VisitOrder, CountsBeyondHalfOf32Bits)
   }
 }
 
-/** Every point of a cell that still wants one is visited once, in the order of golden strides, however
- * many points each visit marks: few, then all are met on the way; or many, then the rest is searched for. */
-TEST(CellVisits, FindsWhatIsLeftInOrder)
-{
+/** Every point of a cell that still wants one is visited once, in the order of golden strides,
+ * however many points each visit marks: few, then all are met on the way; or many, then the rest is
+ * searched for. */
+TEST(CellVisits, FindsWhatIsLeftInOrder) {
   const std::uint32_t n = 3000, start = 17;
   std::vector<std::uint32_t> points(n);
   for (std::uint32_t i = 0; i < n; ++i) points[i] = 5 * i;
@@ -75,8 +73,7 @@ TEST(CellVisits, FindsWhatIsLeftInOrder)
 }
 
 /** A point handed out is not handed out again while nobody has done it yet. */
-TEST(CellVisits, HandsOutEachPointOnce)
-{
+TEST(CellVisits, HandsOutEachPointOnce) {
   const std::uint32_t n = 2000;
   std::vector<std::uint32_t> points(n);
   for (std::uint32_t i = 0; i < n; ++i) points[i] = i;

@@ -18,9 +18,7 @@ namespace {
 constexpr WeightKernel kFitKernels[] = {WeightKernel::kPower2, WeightKernel::kPower4,
                                         WeightKernel::kGaussian};
 
-void
-addPoint(BallBuffer& ball, double u, double v, double w)
-{
+void addPoint(BallBuffer& ball, double u, double v, double w) {
   ball.reserve(ball.count + 1);
   const std::size_t i = ball.count++;
   ball.u[i] = static_cast<float>(u);
@@ -29,9 +27,7 @@ addPoint(BallBuffer& ball, double u, double v, double w)
   ball.s_sq[i] = ball.u[i] * ball.u[i] + ball.v[i] * ball.v[i] + ball.w[i] * ball.w[i];
 }
 
-void
-pad(BallBuffer& ball)
-{
+void pad(BallBuffer& ball) {
   for (std::size_t i = ball.count; i < ball.count + BallBuffer::kPadding; ++i) {
     ball.u[i] = ball.v[i] = ball.w[i] = 0.0f;
     ball.s_sq[i] = 2.0f;
@@ -39,10 +35,8 @@ pad(BallBuffer& ball)
 }
 
 /** Points of a random polynomial of the degree over the unit disc, with noise along w. */
-BallBuffer
-polynomialBall(int degree, std::size_t count, double noise, std::uint32_t seed,
-               std::array<double, kMaxCoefficients>& c)
-{
+BallBuffer polynomialBall(int degree, std::size_t count, double noise, std::uint32_t seed,
+                          std::array<double, kMaxCoefficients>& c) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::normal_distribution<double> normal;
@@ -68,10 +62,8 @@ polynomialBall(int degree, std::size_t count, double noise, std::uint32_t seed,
 }
 
 /** Weighted mean of |grad h|^2, point by point. */
-double
-meanSlopeSq(const BallBuffer& ball, int degree, double rho, WeightKernel kernel,
-            const LocalFit& fit)
-{
+double meanSlopeSq(const BallBuffer& ball, int degree, double rho, WeightKernel kernel,
+                   const LocalFit& fit) {
   double weight = 0, sum = 0;
   for (std::size_t i = 0; i < ball.count; ++i) {
     double du = 0, dv = 0;
@@ -90,9 +82,7 @@ meanSlopeSq(const BallBuffer& ball, int degree, double rho, WeightKernel kernel,
 }
 
 /** The same fit in double by QR: coefficients, e^2 and n_eff. */
-LocalFit
-reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel)
-{
+LocalFit reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel) {
   const int terms = numCoefficients(degree);
   const auto n = static_cast<Eigen::Index>(ball.count);
   Eigen::MatrixXd rows(n, terms);
@@ -121,8 +111,7 @@ reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel)
   return fit;
 }
 
-TEST(FitBall, RecoversPolynomials)
-{
+TEST(FitBall, RecoversPolynomials) {
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     for (std::uint32_t seed = 1; seed <= 8; ++seed) {
       std::array<double, kMaxCoefficients> truth;
@@ -140,8 +129,7 @@ TEST(FitBall, RecoversPolynomials)
   }
 }
 
-TEST(FitBall, AgreesWithDoubleLeastSquares)
-{
+TEST(FitBall, AgreesWithDoubleLeastSquares) {
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     for (const float rho : {1.0f, 0.8f, 0.62f}) {
       for (const WeightKernel kernel : kFitKernels) {
@@ -165,8 +153,7 @@ TEST(FitBall, AgreesWithDoubleLeastSquares)
   }
 }
 
-TEST(FitBall, ItsMomentsHoldTheMeanSquareOfAPolynomial)
-{
+TEST(FitBall, ItsMomentsHoldTheMeanSquareOfAPolynomial) {
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     std::array<double, kMaxCoefficients> h;
     const BallBuffer ball = polynomialBall(degree, 300, 0.01, 12, h);
@@ -186,8 +173,7 @@ TEST(FitBall, ItsMomentsHoldTheMeanSquareOfAPolynomial)
   }
 }
 
-TEST(FitBall, OfALowerDegreeFollowsFromItsMoments)
-{
+TEST(FitBall, OfALowerDegreeFollowsFromItsMoments) {
   for (int degree = 2; degree <= kMaxDegree; ++degree) {
     std::array<double, kMaxCoefficients> truth;
     const BallBuffer ball = polynomialBall(degree, 400, 0.01, 31, truth);
@@ -207,8 +193,7 @@ TEST(FitBall, OfALowerDegreeFollowsFromItsMoments)
   }
 }
 
-TEST(FitBall, LowersTheDegreeAsPointsGetFew)
-{
+TEST(FitBall, LowersTheDegreeAsPointsGetFew) {
   int last = 0;
   for (std::size_t count = 1; count <= 60; ++count) {
     std::array<double, kMaxCoefficients> truth;
@@ -224,8 +209,7 @@ TEST(FitBall, LowersTheDegreeAsPointsGetFew)
   EXPECT_EQ(last, 4);
 }
 
-TEST(FitBall, AFallenDegreeIsTheBestOfThatDegree)
-{
+TEST(FitBall, AFallenDegreeIsTheBestOfThatDegree) {
   std::array<double, kMaxCoefficients> truth;
   const BallBuffer ball = polynomialBall(4, 14, 0.001, 9, truth);
   const LocalFit fit = kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, true);
@@ -236,8 +220,7 @@ TEST(FitBall, AFallenDegreeIsTheBestOfThatDegree)
   EXPECT_NEAR(fit.residual_sq / expected.residual_sq, 1.0, 1e-3);
 }
 
-TEST(FitBall, MakesNoPolynomialOfALineOrOfOnePlace)
-{
+TEST(FitBall, MakesNoPolynomialOfALineOrOfOnePlace) {
   BallBuffer line, place;
   for (int i = 0; i < 100; ++i) {
     const double t = (i - 49.5) / 60.0;
@@ -252,8 +235,7 @@ TEST(FitBall, MakesNoPolynomialOfALineOrOfOnePlace)
   }
 }
 
-TEST(FitBall, MakesAtMostALowDegreeOfThreeRows)
-{
+TEST(FitBall, MakesAtMostALowDegreeOfThreeRows) {
   // Three parallel rows of points determine nothing of third order across them.
   BallBuffer rows;
   for (int i = 0; i < 100; ++i) {
@@ -267,8 +249,7 @@ TEST(FitBall, MakesAtMostALowDegreeOfThreeRows)
   for (const double value : fit.c) EXPECT_LT(std::abs(value), 1.0);
 }
 
-TEST(FitBall, OfNothingIsNothing)
-{
+TEST(FitBall, OfNothingIsNothing) {
   BallBuffer ball;
   ball.reserve(1);
   pad(ball);
@@ -277,8 +258,7 @@ TEST(FitBall, OfNothingIsNothing)
   EXPECT_EQ(kernels::effectiveCount(ball, 1.0f, WeightKernel::kPower4), 0.0);
 }
 
-TEST(FitBall, HonoursRobustWeights)
-{
+TEST(FitBall, HonoursRobustWeights) {
   std::array<double, kMaxCoefficients> truth;
   BallBuffer ball = polynomialBall(2, 200, 0.0, 3, truth);
   const std::size_t clean = ball.count;
@@ -291,8 +271,7 @@ TEST(FitBall, HonoursRobustWeights)
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(fit.c[k], truth[k], 1e-5);
 }
 
-TEST(BallResiduals, AreHeightsAboveTheFit)
-{
+TEST(BallResiduals, AreHeightsAboveTheFit) {
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     std::array<double, kMaxCoefficients> truth;
     const BallBuffer ball = polynomialBall(degree, 123, 0.05, 4, truth);
@@ -310,8 +289,7 @@ TEST(BallResiduals, AreHeightsAboveTheFit)
   }
 }
 
-TEST(SelectResiduals, KeepsARangeAndCompactKeepsABall)
-{
+TEST(SelectResiduals, KeepsARangeAndCompactKeepsABall) {
   std::array<double, kMaxCoefficients> truth;
   const BallBuffer ball = polynomialBall(2, 131, 0.1, 6, truth);
   std::vector<float> residuals(ball.w.begin(), ball.w.end());

@@ -22,8 +22,7 @@ using namespace pcl_slim_test;
 constexpr float kHeights[kMaxCoefficients] = {.01f,  .02f, -.01f, .01f, .03f, -.02f, .01f, 0,
                                               -.01f, 0,    .01f,  0,    .01f, 0,     0};
 
-TEST(NoiseBias, WhatNoiseWearsDownIsRestored)
-{
+TEST(NoiseBias, WhatNoiseWearsDownIsRestored) {
   constexpr double kShare = 1e-3;
   // The kernel (1 - s^2)^m draws heights to the centre by 1 + 2 (m + 1) share.
   for (const auto& [kernel, drawn] :
@@ -47,8 +46,7 @@ TEST(NoiseBias, WhatNoiseWearsDownIsRestored)
   }
 }
 
-TEST(NoiseBias, WeightsFallWithHeightAsTheirKernelHasIt)
-{
+TEST(NoiseBias, WeightsFallWithHeightAsTheirKernelHasIt) {
   for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4,
                                     WeightKernel::kPower7, WeightKernel::kGaussian}) {
     constexpr int kSteps = 100000;
@@ -59,8 +57,7 @@ TEST(NoiseBias, WeightsFallWithHeightAsTheirKernelHasIt)
   }
 }
 
-TEST(NoiseBias, TheUnitOfLengthChangesNothing)
-{
+TEST(NoiseBias, TheUnitOfLengthChangesNothing) {
   constexpr double kShare = 1e-3, kRho = 0.4;  // r in the other unit
   float in_r[kMaxCoefficients];
   double other[kMaxCoefficients];
@@ -77,8 +74,7 @@ TEST(NoiseBias, TheUnitOfLengthChangesNothing)
   }
 }
 
-TEST(NoiseBias, ThickNoiseIsNotAmplified)
-{
+TEST(NoiseBias, ThickNoiseIsNotAmplified) {
   float thick[kMaxCoefficients], limit[kMaxCoefficients];
   std::copy_n(kHeights, kMaxCoefficients, thick);
   std::copy_n(kHeights, kMaxCoefficients, limit);
@@ -87,8 +83,7 @@ TEST(NoiseBias, ThickNoiseIsNotAmplified)
   for (int k = 0; k < kMaxCoefficients; ++k) EXPECT_EQ(thick[k], limit[k]) << k;
 }
 
-TEST(NoiseBias, ASphereKeepsItsRadius)
-{
+TEST(NoiseBias, ASphereKeepsItsRadius) {
   constexpr double kNoise = 0.01;
   const Cloud cloud = sceneCloud(Shape::kSphere, 40000, kNoise).withoutNormals();
   const auto f = fitted(cloud, FitParams(), true);
@@ -105,8 +100,7 @@ TEST(NoiseBias, ASphereKeepsItsRadius)
 }
 
 /** By E alone a third of the leaves stand a level lower, where luck favours them. */
-TEST(NestedRadii, ASphereUnderNoiseIsServedByItsWidestBalls)
-{
+TEST(NestedRadii, ASphereUnderNoiseIsServedByItsWidestBalls) {
   for (const double noise : {0.0005, 0.001}) {
     const auto f = fitted(sceneCloud(Shape::kSphere, 40000, noise), FitParams());
     expectSound(f);
@@ -114,8 +108,7 @@ TEST(NestedRadii, ASphereUnderNoiseIsServedByItsWidestBalls)
   }
 }
 
-TEST(NestedRadii, ATorusUnderHeavyNoiseIsServedByWideAndPlainLeaves)
-{
+TEST(NestedRadii, ATorusUnderHeavyNoiseIsServedByWideAndPlainLeaves) {
   const auto f = fitted(sceneCloud(Shape::kTorus, 40000, 0.01).withoutNormals(), FitParams(), true);
   expectSound(f);
   // The tube is ten deviations thick. By E, with quartics throughout, 3.5e-3 and 1.9 degrees.
@@ -125,8 +118,7 @@ TEST(NestedRadii, ATorusUnderHeavyNoiseIsServedByWideAndPlainLeaves)
   EXPECT_GT(5 * f.statistics.reduced_degree, f.statistics.leaves);
 }
 
-TEST(CoverRadius, LeavesThatManyPointsSupportOverlapMore)
-{
+TEST(CoverRadius, LeavesThatManyPointsSupportOverlapMore) {
   const Cloud noisy = sceneCloud(Shape::kBumpy, 20000, 0.001);
   const Cloud clean = sceneCloud(Shape::kBumpy, 20000, 0.0);
   FitParams two_thirds;
@@ -139,8 +131,7 @@ TEST(CoverRadius, LeavesThatManyPointsSupportOverlapMore)
             fitted(clean, two_thirds).statistics.leaves);
 }
 
-TEST(CoverRadius, IsAsGivenWhenASizeIsAskedFor)
-{
+TEST(CoverRadius, IsAsGivenWhenASizeIsAskedFor) {
   FitParams params, two_thirds;
   params.size = two_thirds.size = TargetError{0.002};
   two_thirds.cover_radius = 2.0 / 3.0;

@@ -12,17 +12,13 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-std::array<double, 3>
-centerOf(const Fitted& f, std::size_t i)
-{
+std::array<double, 3> centerOf(const Fitted& f, std::size_t i) {
   return f.world({f.surface.cx[i], f.surface.cy[i], f.surface.cz[i]});
 }
 
 /** Leaves, and internal surfels up to a radius, whose normal points against outward(place). */
 template <typename Outward>
-std::size_t
-numInward(const Fitted& f, double internal_radius, const Outward& outward)
-{
+std::size_t numInward(const Fitted& f, double internal_radius, const Outward& outward) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < f.surface.size(); ++i) {
     const double radius = f.surface.radius[i] * f.surface.info.scale;
@@ -33,8 +29,7 @@ numInward(const Fitted& f, double internal_radius, const Outward& outward)
   return count;
 }
 
-TEST(Orientation, PointsOutOfClosedSurfaces)
-{
+TEST(Orientation, PointsOutOfClosedSurfaces) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0, 0.002}) {
       const auto f = fitted(sceneCloud(shape, 8000, noise).withoutNormals());
@@ -46,8 +41,7 @@ TEST(Orientation, PointsOutOfClosedSurfaces)
   }
 }
 
-TEST(Orientation, PointsOutOfEachOfTwoSpheres)
-{
+TEST(Orientation, PointsOutOfEachOfTwoSpheres) {
   Cloud cloud = sceneCloud(Shape::kSphere, 6000, 0.0005).withoutNormals();
   const std::size_t half = cloud.points.size();
   for (std::size_t i = 0; i < half; ++i) {
@@ -60,8 +54,7 @@ TEST(Orientation, PointsOutOfEachOfTwoSpheres)
   EXPECT_EQ(numInward(f, 0.0, outward), 0u);
 }
 
-TEST(Orientation, OfAFlatPieceIsOneSideThroughout)
-{
+TEST(Orientation, OfAFlatPieceIsOneSideThroughout) {
   const auto f = fitted(pcl_slim_test::heightField(
       6000, 101, [](double x, double y) { return 0.1 * std::sin(3 * x) * std::cos(2 * y); }));
   const auto up = [](const auto&) { return std::array<double, 3>{0, 0, 1}; };
@@ -70,8 +63,7 @@ TEST(Orientation, OfAFlatPieceIsOneSideThroughout)
       << down << " of " << f.surface.numLeaves();
 }
 
-TEST(Orientation, LooksTowardsAViewpoint)
-{
+TEST(Orientation, LooksTowardsAViewpoint) {
   FitParams params;
   params.viewpoint = {{5, 0, -20}};
   Cloud cloud = sceneCloud(Shape::kRelief, 6000, 0.0).withoutNormals();
@@ -84,8 +76,7 @@ TEST(Orientation, LooksTowardsAViewpoint)
   EXPECT_EQ(numInward(turned, 0.0, down), turned.surface.numLeaves());
 }
 
-TEST(Orientation, ChangesSignsOnly)
-{
+TEST(Orientation, ChangesSignsOnly) {
   const Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.001).withoutNormals();
   FitParams params;
   params.orient = false;
@@ -105,8 +96,7 @@ TEST(Orientation, ChangesSignsOnly)
   }
 }
 
-TEST(Orientation, KeepsTheSideOfGivenNormals)
-{
+TEST(Orientation, KeepsTheSideOfGivenNormals) {
   Cloud cloud = sceneCloud(Shape::kSphere, 5000, 0.0005);
   for (float& value : cloud.normals) value = -value;
   const auto f = fitted(cloud);

@@ -19,9 +19,8 @@ namespace {
 using measure::Shape;
 
 /** Each leaf's eight nearest on every level up to its own, within .9 (r + r'). */
-std::set<std::pair<std::uint32_t, std::uint32_t>>
-edgesOfAllPairs(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
-{
+std::set<std::pair<std::uint32_t, std::uint32_t>> edgesOfAllPairs(
+    const SLIMSurface& s, const std::vector<std::uint32_t>& leaves) {
   std::map<int, float> widest;
   for (const std::uint32_t i : leaves) {
     widest[s.level[i]] = std::max(widest[s.level[i]], s.radius[i]);
@@ -46,8 +45,7 @@ edgesOfAllPairs(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
   return edges;
 }
 
-TEST(OverlapGraph, HoldsTheNearestOfAllPairsOnEachLevel)
-{
+TEST(OverlapGraph, HoldsTheNearestOfAllPairsOnEachLevel) {
   for (const double noise : {0.0, 0.002}) {
     const auto cloud = pcl_slim_test::sceneCloud(Shape::kRelief, 20000, noise).withoutNormals();
     const SLIMSurface surface = pcl_slim_test::fitted(cloud).surface;
@@ -72,8 +70,7 @@ TEST(OverlapGraph, HoldsTheNearestOfAllPairsOnEachLevel)
   }
 }
 
-TEST(OverlapGraph, AFlippedLeafOpposesItsNeighboursAtTheSameWeight)
-{
+TEST(OverlapGraph, AFlippedLeafOpposesItsNeighboursAtTheSameWeight) {
   const auto cloud = pcl_slim_test::sceneCloud(Shape::kSphere, 5000, 0.0).withoutNormals();
   SLIMSurface surface = pcl_slim_test::fitted(cloud).surface;
   const auto leaves = surface.leaves();

@@ -19,17 +19,13 @@ constexpr double kNoise = 0.01;
 constexpr double kNear = 5 * kNoise;  ///< points are no farther from their surface
 
 /** A view with the places that points were seen from. */
-CloudView
-seenFrom(const std::vector<double>& sensors, CloudView view)
-{
+CloudView seenFrom(const std::vector<double>& sensors, CloudView view) {
   view.sensors = sensors.data();
   view.sensors_stride = 3 * sizeof(double);
   return view;
 }
 
-CloudView
-viewOf(const DrivenScan& scan)
-{
+CloudView viewOf(const DrivenScan& scan) {
   return seenFrom(scan.sensors, pcl_slim_test::viewOf(scan.points, {}));
 }
 
@@ -40,9 +36,7 @@ struct Outcome {
   double right = 0;
 };
 
-Outcome
-outcomeOf(const CloudView& view, const DrivenScan& scan, int threads = 2)
-{
+Outcome outcomeOf(const CloudView& view, const DrivenScan& scan, int threads = 2) {
   Outcome outcome;
   auto store = PointStore::build(view, threads);
   EXPECT_TRUE(store) << store.error().message;
@@ -69,15 +63,12 @@ outcomeOf(const CloudView& view, const DrivenScan& scan, int threads = 2)
   return outcome;
 }
 
-const DrivenScan&
-drive()
-{
+const DrivenScan& drive() {
   static const DrivenScan scan = scanByDrive(120000, kNoise, 5);
   return scan;
 }
 
-TEST(SensorSigns, OrientADriveThroughAStreet)
-{
+TEST(SensorSigns, OrientADriveThroughAStreet) {
   const DrivenScan& scan = drive();
   const Outcome own = outcomeOf(viewOf(scan), scan);
   EXPECT_EQ(own.fit.sides.source, SideSource::kSensors);
@@ -99,23 +90,19 @@ TEST(SensorSigns, OrientADriveThroughAStreet)
 }
 
 /** A shorter drive, for what does not need so many points. */
-const DrivenScan&
-shortDrive()
-{
+const DrivenScan& shortDrive() {
   static const DrivenScan scan = scanByDrive(40000, kNoise, 7);
   return scan;
 }
 
-TEST(SensorSigns, AreTheSameForAnyNumberOfThreads)
-{
+TEST(SensorSigns, AreTheSameForAnyNumberOfThreads) {
   const Outcome one = outcomeOf(viewOf(shortDrive()), shortDrive(), 1);
   const Outcome three = outcomeOf(viewOf(shortDrive()), shortDrive(), 3);
   EXPECT_EQ(one.surface.nz, three.surface.nz);
   EXPECT_EQ(one.surface.coefficients, three.surface.coefficients);
 }
 
-TEST(SensorSigns, FollowPointsThroughIndicesNaNAndOutliers)
-{
+TEST(SensorSigns, FollowPointsThroughIndicesNaNAndOutliers) {
   DrivenScan scan = shortDrive();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t seen = scan.size();
@@ -149,8 +136,7 @@ TEST(SensorSigns, FollowPointsThroughIndicesNaNAndOutliers)
   EXPECT_GT(some.right, outcomeOf(viewOf(shortDrive()), shortDrive()).right - 0.003);
 }
 
-TEST(SensorSigns, DoNotChangeFarFromTheOrigin)
-{
+TEST(SensorSigns, DoNotChangeFarFromTheOrigin) {
   DrivenScan far = shortDrive();
   const Vector3 shift = {6.5e5, 5.3e6, 420};
   for (std::size_t i = 0; i < far.points.size(); ++i) {
@@ -166,8 +152,7 @@ TEST(SensorSigns, DoNotChangeFarFromTheOrigin)
   EXPECT_NEAR(outcomeOf(viewOf(far), far).right, near, 0.001);
 }
 
-TEST(SensorSigns, FollowTheSensorsRoundASurface)
-{
+TEST(SensorSigns, FollowTheSensorsRoundASurface) {
   // A plane seen from below, then from above.
   Cloud cloud = sceneCloud(measure::Shape::kRelief, 4000, 0.001).withoutNormals();
   for (const double height : {-30.0, 30.0}) {
@@ -196,8 +181,7 @@ TEST(SensorSigns, FollowTheSensorsRoundASurface)
   }
 }
 
-TEST(SensorSigns, GivenNormalsWin)
-{
+TEST(SensorSigns, GivenNormalsWin) {
   Cloud cloud = sceneCloud(measure::Shape::kSphere, 3000, 0.0);
   std::vector<double> sensors(cloud.points.size(), 0.0);  // inside
   auto store = PointStore::build(seenFrom(sensors, cloud.view()));
@@ -213,8 +197,7 @@ TEST(SensorSigns, GivenNormalsWin)
   }
 }
 
-TEST(SensorSigns, PointsNeedAPlaceEach)
-{
+TEST(SensorSigns, PointsNeedAPlaceEach) {
   DrivenScan scan = scanByDrive(2000, kNoise, 3);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300}) {
     scan.sensors[3 * 17 + 1] = bad;
@@ -224,8 +207,7 @@ TEST(SensorSigns, PointsNeedAPlaceEach)
   }
 }
 
-TEST(SensorSigns, ANoiseModelTakesEachPointsBeam)
-{
+TEST(SensorSigns, ANoiseModelTakesEachPointsBeam) {
   // A wall seen along two paths: close up, and from far away where the error is ten times as large.
   Cloud cloud;
   std::vector<double> sensors;
@@ -247,8 +229,7 @@ TEST(SensorSigns, ANoiseModelTakesEachPointsBeam)
   EXPECT_NEAR(fit.lambda, expected, 0.1 * expected);
 }
 
-TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
-{
+TEST(SensorSigns, TellTheTwoSidesOfAThinPlate) {
   // Two sheets 3 spacings apart, with noise, each seen from its own side.
   std::mt19937_64 rng(11);
   std::normal_distribution<double> gauss(0, 0.3);
@@ -279,9 +260,7 @@ TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
 }
 
 /** RMS distance of a plate's smoothed points from their own faces, at these heights. */
-double
-errorOfFaces(const CloudView& view, const std::vector<double>& faces)
-{
+double errorOfFaces(const CloudView& view, const std::vector<double>& faces) {
   auto store = PointStore::build(view);
   EXPECT_TRUE(store) << store.error().message;
   SLIMSurface surface;
@@ -299,9 +278,9 @@ errorOfFaces(const CloudView& view, const std::vector<double>& faces)
   return std::sqrt(sum_sq / count);
 }
 
-TEST(SensorSigns, FacesNearerThanTheNoiseAreKeptApart)
-{
-  // Faces of a plate 5, 1.5 and .75 deviations of the noise thick, seen from two places on either side.
+TEST(SensorSigns, FacesNearerThanTheNoiseAreKeptApart) {
+  // Faces of a plate 5, 1.5 and .75 deviations of the noise thick, seen from two places on either
+  // side.
   constexpr double kSpread = 0.8;
   for (const double thickness : {5.0, 1.5, 0.75}) {
     std::mt19937_64 rng(11);

@@ -14,11 +14,11 @@ using pcl_slim_test::wavyBall;
 
 namespace {
 
-/** Weights fall with height, by each kernel differently: the energy must not depend on which one. */
-TEST(Energy, ShowsTheVarianceOfNoiseInAThinBallWhateverTheKernel)
-{
+/** Weights fall with height, by each kernel differently: the energy must not depend on which one.
+ */
+TEST(Energy, ShowsTheVarianceOfNoiseInAThinBallWhateverTheKernel) {
   constexpr double kThickness = 0.15;  // of the radius
-  const Energy energy;  // no noise known, no penalty: the corrected residual
+  const Energy energy;                 // no noise known, no penalty: the corrected residual
   for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
     double mean = 0;
     constexpr int kBalls = 10;

@@ -19,8 +19,7 @@ namespace {
 constexpr double kInner = 0.6180339887498949;  // the part of a ball that is looked at
 const RadiusConstants kConstants;
 
-TEST(ResidualStructure, OfNoiseIsNothingButItsDeviation)
-{
+TEST(ResidualStructure, OfNoiseIsNothingButItsDeviation) {
   ResidualStructure structure(kConstants);
   for (const int degree : {2, 4}) {
     for (const std::size_t count : {400, 3000, 20000}) {
@@ -42,8 +41,7 @@ TEST(ResidualStructure, OfNoiseIsNothingButItsDeviation)
   }
 }
 
-TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise)
-{
+TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise) {
   // A wave of half the noise's deviation: an eighth of its variance, a ninth of the sum.
   ResidualStructure structure(kConstants);
   const double noise = 0.01, amplitude = 0.5 * noise;
@@ -57,9 +55,9 @@ TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise)
   }
 }
 
-TEST(ResidualStructure, WiderCellsTellAFainterWave)
-{
-  // A wave of a quarter of the noise, long beside the cells: more pairs in each, a smaller deviation.
+TEST(ResidualStructure, WiderCellsTellAFainterWave) {
+  // A wave of a quarter of the noise, long beside the cells: more pairs in each, a smaller
+  // deviation.
   ResidualStructure structure(kConstants);
   double fine = 0, wide = 0;
   constexpr int kBalls = 20;
@@ -76,15 +74,13 @@ TEST(ResidualStructure, WiderCellsTellAFainterWave)
   EXPECT_GT(wide, 1.5 * fine);
 }
 
-TEST(ResidualStructure, SaysNothingAboutAHandfulOfPoints)
-{
+TEST(ResidualStructure, SaysNothingAboutAHandfulOfPoints) {
   ResidualStructure structure(kConstants);
   const TestBall ball = wavyBall(1, 20, 0.1, 0.5, 0.01, 3);
   EXPECT_EQ(structure.measure(ball.points, ball.fit, kInner).deviation, 0.0);
 }
 
-TEST(ResidualStructure, OfAnExactFitIsUnknown)
-{
+TEST(ResidualStructure, OfAnExactFitIsUnknown) {
   ResidualStructure structure(kConstants);
   const TestBall ball = wavyBall(2, 1000, 0.0, 1.0, 0.0, 3);
   const auto found = structure.measure(ball.points, ball.fit, kInner);

@@ -16,17 +16,14 @@ namespace {
 
 constexpr double kNoise = 0.01;
 
-FitPlan
-planOfNoise()
-{
+FitPlan planOfNoise() {
   FitPlan plan;
   plan.energy.lambda = kNoise * kNoise;
   plan.energy.kappa = 3.0;
   return plan;
 }
 
-TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
-{
+TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius) {
   const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kNoise, 7);
   BallSamples samples;
   samples.begin(ball.points, 0.5, 1.0);
@@ -44,8 +41,7 @@ TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
 }
 
 /** A single point more or less moves n_eff by some percent, so the mean over balls tells. */
-TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
-{
+TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport) {
   const FitPlan plan = planOfNoise();
   TrialFits trials(plan);
   constexpr unsigned kBalls = 20;
@@ -67,8 +63,7 @@ TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
   EXPECT_EQ(trials.counts().fits, 0u);
 }
 
-TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
-{
+TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce) {
   const TestBall ball = wavyBall(2, 500, 0.0, 1.0, kNoise, 9);
   const FitPlan plan = planOfNoise();
   TrialFits trials(plan);
@@ -80,8 +75,7 @@ TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
 
 /** On a noisy plane the wide fit serves the middle ball's points as well; over a wave it does not.
  */
-TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
-{
+TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave) {
   const FitPlan plan = planOfNoise();
   for (const double amplitude : {0.0, 0.6 * kNoise}) {
     int accepted = 0;
@@ -102,8 +96,7 @@ TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
   }
 }
 
-TEST(FitComparison, GoesByTheConstantsOfItsSettings)
-{
+TEST(FitComparison, GoesByTheConstantsOfItsSettings) {
   const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kNoise, 10);
   const FitPlan plan = planOfNoise();
   RadiusConstants constants;

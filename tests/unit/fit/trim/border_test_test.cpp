@@ -18,10 +18,8 @@ using namespace pcl_slim_test;
 constexpr double kHole = 4.0;
 
 /** One random point a unit of area of a square of 40, where it is kept, and shifted by noise. */
-Cloud
-square(const std::function<bool(double, double)>& kept, double noise = 0.0, double per_unit = 1.0,
-       std::uint64_t seed = 5)
-{
+Cloud square(const std::function<bool(double, double)>& kept, double noise = 0.0,
+             double per_unit = 1.0, std::uint64_t seed = 5) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
   std::normal_distribution<double> gauss(0.0, noise > 0.0 ? noise : 1.0);
@@ -41,8 +39,7 @@ struct Count {
   int points = 0, ends = 0;
 
   double share() const { return static_cast<double>(ends) / points; }
-  void add(const Count& other)
-  {
+  void add(const Count& other) {
     points += other.points;
     ends += other.ends;
   }
@@ -50,18 +47,15 @@ struct Count {
 
 constexpr Vector3 kUp{0, 0, 1};
 
-Vector3
-upwards(const Vector3&)
-{
+Vector3 upwards(const Vector3&) {
   return kUp;
 }
 
 /** \param[in] normal of the surface at a place */
-Count
-countEnds(const Cloud& cloud, double noise, const std::function<bool(const Vector3&)>& chosen,
-          double spacing = 1.0, const std::function<Vector3(const Vector3&)>& normal = upwards,
-          float min_dot = -2.0f)
-{
+Count countEnds(const Cloud& cloud, double noise, const std::function<bool(const Vector3&)>& chosen,
+                double spacing = 1.0,
+                const std::function<Vector3(const Vector3&)>& normal = upwards,
+                float min_dot = -2.0f) {
   const PointStore store = storeOf(cloud);
   const detail::BorderConstants constants;
   detail::PointBorders borders(store.size());
@@ -76,15 +70,12 @@ countEnds(const Cloud& cloud, double noise, const std::function<bool(const Vecto
   return count;
 }
 
-bool
-isInner(const Vector3& p)
-{
+bool isInner(const Vector3& p) {
   return std::abs(p[0]) < 15.0 && std::abs(p[1]) < 15.0;
 }
 
 /** A face that normals part from the next one ends at the edge between them. */
-TEST(BorderTest, NormalsPartTheFacesOfABox)
-{
+TEST(BorderTest, NormalsPartTheFacesOfABox) {
   const Cloud box = boxCloud({10, 10, 10}, 2400, 0.0);
   const auto at_edge = [](const Vector3& p) {
     return std::max(std::abs(p[0]), std::abs(p[1])) > 9.999 && std::abs(p[2]) < 8 &&
@@ -100,8 +91,7 @@ TEST(BorderTest, NormalsPartTheFacesOfABox)
   EXPECT_GT(countEnds(box, 0.0, at_edge, 1.0, face, 0.5f).share(), 0.35);
 }
 
-TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse)
-{
+TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse) {
   for (const double noise : {0.0, 0.3}) {
     Count rim, inside;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -117,8 +107,7 @@ TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse)
   }
 }
 
-TEST(BorderTest, FindsHolesThatChanceDoesNotLeave)
-{
+TEST(BorderTest, FindsHolesThatChanceDoesNotLeave) {
   const auto rimOf = [](double hole) {  // of nine holes
     const auto distance = [](double x, double y) {
       return std::hypot(x - 13.0 * std::round(x / 13.0), y - 13.0 * std::round(y / 13.0));
@@ -135,8 +124,7 @@ TEST(BorderTest, FindsHolesThatChanceDoesNotLeave)
   EXPECT_EQ(rimOf(2.0).ends, 0);
 }
 
-TEST(BorderTest, ATubeHasNoBorderAtItsSilhouette)
-{
+TEST(BorderTest, ATubeHasNoBorderAtItsSilhouette) {
   const auto outward = [](const Vector3& p) { return normalized(Vector3{p[0], p[1], 0}); };
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> uniform;
@@ -160,8 +148,7 @@ TEST(BorderTest, ATubeHasNoBorderAtItsSilhouette)
   }
 }
 
-TEST(BorderTest, DensityThatFallsIsNoBorder)
-{
+TEST(BorderTest, DensityThatFallsIsNoBorder) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> uniform;
   const Cloud thinning =
@@ -173,8 +160,7 @@ TEST(BorderTest, DensityThatFallsIsNoBorder)
 }
 
 // A surfel of the floor that continues past the foot of a wall leaves the data there.
-TEST(BorderTest, EndsSurfelsThatLeaveTheDataAtAnEdge)
-{
+TEST(BorderTest, EndsSurfelsThatLeaveTheDataAtAnEdge) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
   Cloud corner;
@@ -193,8 +179,7 @@ TEST(BorderTest, EndsSurfelsThatLeaveTheDataAtAnEdge)
 }
 
 // Surfels of different spacing share the points' values: who comes first must not matter.
-TEST(BorderTest, DoesNotDependOnWhoTestsFirst)
-{
+TEST(BorderTest, DoesNotDependOnWhoTestsFirst) {
   const Cloud cloud =
       square([](double x, double y) { return x < 0.0 && std::hypot(x + 9.0, y) > 5.0; });
   const PointStore store = storeOf(cloud);

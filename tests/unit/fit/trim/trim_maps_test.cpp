@@ -18,9 +18,7 @@ using namespace pcl_slim_test;
 
 /** A jittered grid of 80 x 80 on the plane, where holds(x, y), at spacing 1 or finer. */
 template <typename Holds>
-Cloud
-flatScan(const Holds& holds, int points_a_unit = 1)
-{
+Cloud flatScan(const Holds& holds, int points_a_unit = 1) {
   const int side = 80 * points_a_unit;
   const double spacing = 1.0 / points_a_unit;
   Cloud cloud;
@@ -36,9 +34,7 @@ flatScan(const Holds& holds, int points_a_unit = 1)
 
 /** Whether a place of the sheet lies inside the drawn border: places are projected, in world
  * coordinates. */
-std::vector<bool>
-insideAt(const Fitted& f, const Cloud& places)
-{
+std::vector<bool> insideAt(const Fitted& f, const Cloud& places) {
   const PointStore store = storeOf(places);
   Projection projection;
   EXPECT_FALSE(projectPoints(store, f.surface, {}, projection));
@@ -50,9 +46,7 @@ insideAt(const Fitted& f, const Cloud& places)
 }
 
 /** Evenly spaced points of the unit sphere, as a golden spiral lays them. */
-Cloud
-latticeSphere()
-{
+Cloud latticeSphere() {
   Cloud cloud;
   constexpr int kCount = 10000;
   for (int i = 0; i < kCount; ++i) {
@@ -64,16 +58,12 @@ latticeSphere()
   return cloud;
 }
 
-double
-sheet(double x, double y)
-{
+double sheet(double x, double y) {
   return 1e-3 * (x * x - y * y);
 }
 
 /** The share of a surface's area that is farther than a bound from the finger. */
-double
-shareBeyond(const SLIMSurface& surface, const Finger& finger, double bound)
-{
+double shareBeyond(const SLIMSurface& surface, const Finger& finger, double bound) {
   SurfaceSampleParams params;
   params.count = 5000;
   SurfaceSamples samples;
@@ -84,10 +74,9 @@ shareBeyond(const SLIMSurface& surface, const Finger& finger, double bound)
   return static_cast<double>(far) / static_cast<double>(samples.size());
 }
 
-// Where a finger leaves a sphere, wide leaves of noisy points extend into empty space, though the data do
-// not end there: they continue on the finger.
-TEST(TrimMaps, NoSailsStandOffANoisyBody)
-{
+// Where a finger leaves a sphere, wide leaves of noisy points extend into empty space, though the
+// data do not end there: they continue on the finger.
+TEST(TrimMaps, NoSailsStandOffANoisyBody) {
   constexpr double kNoise = 0.03;
   const Finger finger{0.12};
   Fitted f = fitted(finger.cloud(30000, kNoise));
@@ -99,9 +88,9 @@ TEST(TrimMaps, NoSailsStandOffANoisyBody)
   EXPECT_GT(shareBeyond(f.surface, finger, 4 * kNoise), 0.05);
 }
 
-// By chance random samples leave gaps four spacings wide, and a tube's leaf may reach past its silhouette.
-TEST(TrimMaps, ClosedSurfacesLoseNothing)
-{
+// By chance random samples leave gaps four spacings wide, and a tube's leaf may reach past its
+// silhouette.
+TEST(TrimMaps, ClosedSurfacesLoseNothing) {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0, 0.002}) {
       const Fitted f = fitted(sceneCloud(shape, 20000, noise));
@@ -113,15 +102,13 @@ TEST(TrimMaps, ClosedSurfacesLoseNothing)
   }
 }
 
-TEST(TrimMaps, ClosedGridsHaveNone)
-{
+TEST(TrimMaps, ClosedGridsHaveNone) {
   const Fitted f = fitted(latticeSphere());
   EXPECT_EQ(f.statistics.open_leaves, 0u);
   EXPECT_TRUE(f.surface.trim_maps.empty());
 }
 
-TEST(TrimMaps, BordersStandWhereDataEnd)
-{
+TEST(TrimMaps, BordersStandWhereDataEnd) {
   const auto disc = [](double x, double y) { return std::hypot(x, y) < 30.0; };
   const Fitted f = fitted(flatScan(disc));
   EXPECT_GT(f.statistics.open_leaves, 0u);
@@ -137,8 +124,7 @@ TEST(TrimMaps, BordersStandWhereDataEnd)
 }
 
 // A leaf as wide as the scan: with 64 nodes a side its border was drawn two spacings off.
-TEST(TrimMaps, WideLeavesOfManyPointsHaveFineMaps)
-{
+TEST(TrimMaps, WideLeavesOfManyPointsHaveFineMaps) {
   constexpr int kPointsAUnit = 3;
   const auto disc = [](double x, double y) { return std::hypot(x, y) < 30.0; };
   const Fitted f = fitted(flatScan(disc, kPointsAUnit));
@@ -159,8 +145,7 @@ TEST(TrimMaps, WideLeavesOfManyPointsHaveFineMaps)
   for (const bool inside : insideAt(f, beyond)) EXPECT_FALSE(inside);
 }
 
-TEST(TrimMaps, HolesAreKeptAsTheirSizeAsks)
-{
+TEST(TrimMaps, HolesAreKeptAsTheirSizeAsks) {
   const auto holed = [](double x, double y) {
     return std::hypot(x - 10.0, y) > 5.0 && std::hypot(x + 15.0, y) > 1.25;
   };
@@ -177,8 +162,7 @@ TEST(TrimMaps, HolesAreKeptAsTheirSizeAsks)
   EXPECT_EQ(holes(14.0), (std::array<bool, 2>{false, false}));
 }
 
-TEST(TrimMaps, ChangeNothingElseOfAFit)
-{
+TEST(TrimMaps, ChangeNothingElseOfAFit) {
   const Cloud cloud = flatScan([](double x, double y) { return x + 0.3 * y < 12.0; });
   FitParams plain;
   plain.trim = false;
@@ -193,8 +177,7 @@ TEST(TrimMaps, ChangeNothingElseOfAFit)
   EXPECT_EQ(without.projection.inside, without.projection.supported);
 }
 
-TEST(TrimMaps, SameForAnyNumberOfThreads)
-{
+TEST(TrimMaps, SameForAnyNumberOfThreads) {
   const Cloud cloud = flatScan([](double x, double y) { return std::sin(x) + std::cos(y) > -1.2; });
   const PointStore store = storeOf(cloud);
   SLIMSurface surfaces[3];
@@ -208,8 +191,7 @@ TEST(TrimMaps, SameForAnyNumberOfThreads)
   }
 }
 
-TEST(TrimMaps, SizesOutOfRangeAreRefused)
-{
+TEST(TrimMaps, SizesOutOfRangeAreRefused) {
   for (const double size : {1.9, 51.0, -1.0, std::nan("")}) {
     FitParams params;
     params.hole_size = size;
