@@ -3,6 +3,7 @@
 # Turns a scan into a SLIM surface, a report, a picture and a page for browsers in demo_out/.
 #   scripts/demo.sh             makes a scan of its own: no download
 #   scripts/demo.sh SCAN.pcd    takes yours (.pcd or .ply)
+# BIN_DIR in the environment: a folder of built programs; then nothing is built.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -24,11 +25,13 @@ if [ $# -eq 1 ]; then
   [ "${scan#-}" = "$scan" ] || scan=./$scan # no option
 fi
 
-bash "$root/scripts/setup.sh"
-configure
-build pcl_slim_fit pcl_slim_render pcl_slim_demo_scan
+bin=${BIN_DIR:-$root/build/release/bin}
+if [ -z "${BIN_DIR-}" ]; then
+  bash "$root/scripts/setup.sh"
+  configure
+  build pcl_slim_fit pcl_slim_render pcl_slim_demo_scan
+fi
 
-bin=$root/build/release/bin
 out=$root/demo_out
 [ "$PWD" != "$root" ] || out=demo_out
 mkdir -p -- "$out"
