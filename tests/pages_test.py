@@ -358,7 +358,7 @@ class Page:
             self.defect(line, "neither commands nor the output of the block before; ```text if it is neither")
         elif any(output_agrees(shown, lines) for _, lines in real):
             self.done["outputs"] += 1
-        elif len(real) < len(self.outputs):
+        elif not real:
             self.skip(line, shown[0], "the output of a command that did not run")
         else:
             command, lines = real[0]

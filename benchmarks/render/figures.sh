@@ -115,7 +115,8 @@ for part in "fig2 $work/dragon.txt -mode reflection" "fig2_near $(near dragon 9)
   mogrify -filter box -resize 50% "$work/${name}_slim.png" "$work/${name}_mesh.png"
 done
 for name in fig2 fig11; do
-  sheet "figure_${name#fig}_mesh.png" 2 '202 520 triangles, interpolated normals' ${name}_mesh \
+  sheet "figure_${name#fig}_mesh.png" 2 "$(sed -n '/^element face/ { s/.* //p; q }' "$dragon") triangles, interpolated normals" \
+    ${name}_mesh \
     "$(leaves phong) quadratic leaves" ${name}_slim '' ${name}_near_mesh '' ${name}_near_slim
 done
 

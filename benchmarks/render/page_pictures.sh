@@ -4,8 +4,9 @@
 # page_pictures.sh BIN DATA OUT, folders of the built programs, of real scans and for the pictures. Needs
 # ImageMagick, fontconfig and rsvg-convert.
 set -euo pipefail
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source=benchmarks/render/picture_folders.sh
-source "$(dirname -- "${BASH_SOURCE[0]}")/picture_folders.sh"
+source "$here/picture_folders.sh"
 
 # sheet PICTURE (LABEL NAME)...: parts side by side; parts without labels have none below.
 sheet() {
@@ -42,40 +43,8 @@ sheet mesh_sharp.png 'with noise' rounded 'with noise, -sharp 1' noisy 'without 
 rsvg-convert -w 1000 -b white lines.svg -o lines.png
 convert lines.png "${png[@]}" "$out/lines_dragon.png"
 
-# points NAME KIND: made clouds as text. Numbers are drawn by Park and Miller's generator, so that any awk makes the same.
-points() {
-  awk -v kind="$2" 'function u() { s = (16807 * s) % 2147483647; return s / 2147483647 }
-    function g() { return sqrt(-2 * log(u())) * cos(6.283185307179586 * u()) }
-    BEGIN {
-      s = 1
-      if (kind == "outliers") {
-        for (i = 0; i < 50000; ++i) {
-          z = 1 - (2 * i + 1) / 50000; a = 2.399963229728653 * i; r = sqrt(1 - z * z)
-          printf "%.4f %.4f %.4f\n", r * cos(a) + .005 * g(), r * sin(a) + .005 * g(), z + .005 * g()
-        }
-        for (i = 0; i < 5555; ++i) printf "%.4f %.4f %.4f\n", 2.4 * u() - 1.2, 2.4 * u() - 1.2, 2.4 * u() - 1.2
-      } else if (kind == "blade") {  # 30 degrees, and a ball on its upper face
-        for (i = 0; i < 8280; ++i) {
-          j = i % 4140; y = 50 * ((.6180339887498949 * j) % 1)
-          printf "%.4f %.4f %.4f\n", 80 * (j + .5) / 4140 + .1 * g(), y + .1 * g(), (i < 4140 ? .268 : -.268) * y + .1 * g()
-        }
-        for (i = 0; i < 2827; ++i) {
-          z = 1 - (2 * i + 1) / 2827; a = 2.399963229728653 * i; r = 15 * sqrt(1 - z * z)
-          printf "%.4f %.4f %.4f\n", 40 + r * cos(a) + .1 * g(), 26.12 + r * sin(a) + .1 * g(),
-            22.53 + 15 * z + .1 * g()
-        }
-      } else {
-        for (i = 0; i < 9800; ++i) {
-          j = i % 4900
-          printf "%.4f %.4f %.4f\n", 70 * (j + .5) / 4900 + .3 * g(), 70 * ((.6180339887498949 * j) % 1) + .3 * g(),
-            3 * (i >= 4900) + .3 * g()
-        }
-      }
-    }' > "$1"
-}
-
 # Outliers fitted and left out, seen alike.
-points outliers.xyz outliers
+"$here/made_points.sh" outliers > outliers.xyz
 for keep in 1 0; do
   "$bin/pcl_slim_fit" outliers.xyz outliers_$keep.slim -outliers $keep -quiet 1
   "$bin/pcl_slim_render" outliers_$keep.slim outliers_$keep.png -size 420x420 -white 1 -quiet 1 \
@@ -100,7 +69,7 @@ numbers() {
   head=$(sed '/^DATA/q' "$1" | wc -c) size=$(sed -n '/^SIZE/ { s/.* //p; q }' "$1")
   tail -c "+$((head + 1))" "$1" | od -An -v "-w$((3 * size))" -t "f$size"
 }
-points plates.xyz plates
+"$here/made_points.sh" plates > plates.xyz
 slice scanned < plates.xyz
 for sides in 0 1; do
   "$bin/pcl_slim_smooth" plates.xyz plates_$sides.pcd -sides $sides -quiet 1
@@ -109,7 +78,7 @@ done
 sheet thin_plates.png 'the points' scanned 'smoothed, -sides 0' plates_0 'smoothed by default' plates_1
 
 # A blade and a ball on it.
-points blade.xyz blade
+"$here/made_points.sh" blade > blade.xyz
 for sides in 0 1; do
   "$bin/pcl_slim_fit" blade.xyz blade_$sides.slim -sides $sides -quiet 1
   "$bin/pcl_slim_render" blade_$sides.slim blade_$sides.png -size 560x400 -white 1 -quiet 1 -view 60,5 -up z
@@ -146,7 +115,9 @@ for name in scan even; do
     -filtered 0 -view 0,5 -up y -quiet 1
   mogrify -level 60%,100% ${name}_points.png
 done
-sheet sample.png '35 947 points of a scan' scan_points '6000 points, evenly spread' even_points
+# count FILE: the points of a file that it tells in its head.
+count() { sed -n '/^POINTS\|^element vertex/ { s/.* //p; q }' "$1"; }
+sheet sample.png "$(count "$bunny") points of a scan" scan_points "$(count even.pcd) points, evenly spread" even_points
 
 # A coloured scan: as clay, in its colours, under two lights.
 "$bin/pcl_slim_fit" "$data/lion_takanawa.pcd" lion.slim -quiet 1
@@ -157,12 +128,17 @@ for mode in shaded color raytraced; do
 done
 sheet surface_colors.png '-mode shaded' clay_shaded '-mode color' clay_color '-mode raytraced' clay_raytraced
 
-# The demo's scan, and one of .las, as coloured discs.
-"$bin/pcl_slim_demo_scan" scan.pcd -quiet 1
-"$bin/pcl_color_splat_sampling" scan.pcd splats.pcd -rays 0 -max_splats 60000 -quiet 1
-"$bin/pcl_slim_render" splats.pcd demo.png -size 420x420 -mode color -lighting 0 -quiet 1
-convert demo.png "${png[@]}" "$out/demo_scan.png"
+# A scan of .las as coloured discs.
 "$bin/pcl_slim_curvature" "$data/autzen_stadium.pcd" stadium.las -quiet 1
 "$bin/pcl_color_splat_sampling" stadium.las stadium.pcd -rays 0 -max_splats 60000 -quiet 1
 "$bin/pcl_slim_render" stadium.pcd stadium.png -size 900x560 -mode color -lighting 0 -white 1 -quiet 1
 convert stadium.png "${png[@]}" "$out/point_files.png"
+
+# A wood from the air: trees and ground as one noise, and apart.
+"$here/terrain_sample.sh" "$bin" "$data/terrain_isprs_csite1_utm.pcd" 40000 > terrain.xyz
+"$bin/pcl_slim_fit" terrain.xyz trees_as_noise.slim -sides 0 -quiet 1
+"$bin/pcl_slim_fit" terrain.xyz trees_kept.slim -quiet 1
+for name in trees_as_noise trees_kept; do
+  "$bin/pcl_slim_render" $name.slim $name.png -size 640x356 -view 25,25 -up z -quiet 1
+  convert $name.png "${png[@]}" "$out/$name.png"
+done

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The pictures of the tutorial and of the programs' pages that need no window: tutorial_pictures.sh BIN DATA OUT,
-# folders of the built programs, of real scans and for the pictures. Needs ImageMagick and fontconfig.
+# folders of the built programs, of real scans and for the pictures. Needs ImageMagick, fontconfig and python3.
 set -euo pipefail
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd -- "$here/../.." && pwd)
 # shellcheck source=benchmarks/render/picture_folders.sh
-source "$(dirname -- "${BASH_SOURCE[0]}")/picture_folders.sh"
+source "$here/picture_folders.sh"
 
 fit() { "$bin/pcl_slim_fit" "$1" "$2.slim" -quiet 1 "${@:3}"; }
 render() { "$bin/pcl_slim_render" "$1" "$2.png" -white 1 -quiet 1 "${@:3}"; }
-discs() { "$bin/pcl_color_splat_sampling" "$1" "$2.pcd" -quiet 1 -rays 0 "${@:3}"; }
 
 # sheet PICTURE COLUMNS (LABEL NAME)...: parts side by side.
 sheet() {
@@ -22,26 +23,17 @@ sheet() {
     "${png[@]}" "$out/$picture"
 }
 
-# The amphora: surface, levels, sizes, curvature, smoothing, splats.
-"$bin/pcl_slim_demo_scan" scan.pcd > /dev/null
-fit scan.pcd surface
-render surface.slim "$out/demo" -size 800x600
-"$bin/pcl_slim_smooth" scan.pcd smooth.pcd -normals 1 -quiet 1
-discs scan.pcd splats -max_splats 20000
-discs scan.pcd before -geo .02 -color 1 -remove_noise 0
-discs smooth.pcd after -geo .02 -color 1 -remove_noise 0
-render surface.slim shaded -mode shaded -size 420x420 -save_camera amphora.txt
-for mode in normal mean level size; do
-  render surface.slim $mode -mode $mode -size 420x420 -bar 1 -unit m -camera amphora.txt
+# The amphora: the tutorial's commands, as its test runs them.
+(cd -- "$root" && python3 tests/pages_test.py "$bin" "$work" "$data" docs/tutorial.md)
+convert tutorial/scan.png "${png[@]}" "$out/demo_scan.png"
+convert tutorial/surface.png "${png[@]}" "$out/demo.png"
+for name in levels_and_sizes tutorial_smoothing tutorial_curvature tutorial_splats; do
+  convert "tutorial/$name.png" "${png[@]}" "$out/$name.png"
 done
-render splats.pcd color -mode color -lighting 0 -size 420x420 -camera amphora.txt
-render splats.pcd lit -mode color -lighting 1 -size 420x420 -camera amphora.txt
-render splats.pcd splat_size -mode size -size 420x420 -bar 1 -unit m -camera amphora.txt
-for name in before after; do render $name.pcd $name -mode shaded -size 420x420 -camera amphora.txt; done
-sheet levels_and_sizes.png 2 'level of each ball' level 'its size: red small, blue large' size
-sheet tutorial_curvature.png 2 'the surface' shaded 'mean curvature: red bulges, blue hollows' mean
-sheet tutorial_smoothing.png 2 'before' before 'after' after
-sheet tutorial_splats.png 2 '20 000 splats in their colours' color 'by size: red small, blue large' splat_size
+for mode in shaded normal mean level size; do
+  render tutorial/surface.slim $mode -mode $mode -size 420x420 -bar 1 -unit m -camera tutorial/camera.txt
+done
+render tutorial/splats.pcd lit -mode color -lighting 1 -size 420x420 -camera tutorial/camera.txt
 sheet render_modes.png 3 '-mode shaded' shaded '-mode normal' normal '-mode mean' mean '-mode level' level \
   '-mode size' size 'splats, -mode color -lighting 1' lit
 
