@@ -44,7 +44,7 @@ SKIPPED = {
     "plan=$(sbatch": "needs a cluster with Slurm",
     "fit=$(sbatch": "needs a cluster with Slurm",
 }
-TOOLS = ("export", "cat", "cmake", "montage", "mpirun", "g++", "xvfb-run", "scripts/demo.sh", "scripts/paper.sh",
+TOOLS = ("export", "cat", "mkdir", "cmake", "montage", "mpirun", "g++", "xvfb-run", "scripts/demo.sh", "scripts/paper.sh",
          "benchmarks/", "build/release/bin/", "paper_bench")
 # Programs that some builds do not have.
 OPTIONAL = ("pcl_slim_view", "pcl_slim_fit_mpi", "pcl_slim_example_")
