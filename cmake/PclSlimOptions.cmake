@@ -18,6 +18,9 @@ else()
 endif()
 option(PCL_SLIM_PRECOMPILE_HEADERS "Parse large headers of other libraries once for each target" ${precompile})
 option(PCL_SLIM_DISCOVER_TESTS "Each test of GoogleTest is one of ctest, found by name" OFF)
+set(PCL_SLIM_SKIP_INSTRUCTION_SETS "" CACHE STRING
+  "Sets of Highway for which no kernels are compiled, as 'HWY_SSE4|HWY_AVX3': builds are faster, processors take another")
+mark_as_advanced(PCL_SLIM_SKIP_INSTRUCTION_SETS)
 option(PCL_SLIM_WARNINGS_AS_ERRORS "Stop at compiler warnings (continuous integration)" OFF)
 set(PCL_SLIM_SANITIZE "" CACHE STRING
   "Value of -fsanitize= for everything built here, as 'address,undefined' or 'thread'")

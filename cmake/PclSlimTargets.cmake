@@ -76,8 +76,12 @@ function(pcl_slim_add_library name)
       # Kernels use Highway's operators, which its vectors of a length unknown to the compiler (SVE, RISC-V) do
       # not have: those processors take NEON or plain code. So do those with SSSE3, but without SSE 4.1 (2006 to
       # 2008). All files leave out the same sets: unoptimised builds share Highway's index of sets among them.
+      set(skipped "")
+      if(PCL_SLIM_SKIP_INSTRUCTION_SETS)
+        set(skipped "|${PCL_SLIM_SKIP_INSTRUCTION_SETS}")
+      endif()
       target_compile_definitions(${target} PRIVATE
-        "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV|HWY_SSSE3)")
+        "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV|HWY_SSSE3${skipped})")
     endif()
     foreach(library IN LISTS arg_BUILD_ONLY)
       target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
