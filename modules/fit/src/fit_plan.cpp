@@ -278,6 +278,8 @@ void countPoints(const PointStore& store, const LevelCover& cover, FitStatistics
   stats.fell_by_support = balls.fits.fell_by_support;
   stats.fell_by_pivot = balls.fits.fell_by_pivot;
   stats.least_pivot = balls.fits.least_pivot;
+  stats.first_level = cover.firstLevel();
+  stats.levels_skipped = cover.firstLevel() - 1;
   stats.last_level = cover.lastLevel();
   stats.working_bytes = cover.peakBytes();
 }
@@ -348,14 +350,15 @@ Error checkLeaves(const PointStore& store, const FitStatistics& stats) {
   return {ErrorCode::kNoSurface, why};
 }
 
-void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-              FitStatistics& stats) {
+FitStatistics countFit(const PointStore& store, const LevelCover& cover,
+                       const SLIMSurface& surface) {
+  FitStatistics stats;
   countPoints(store, cover, stats);
   countSurfels(surface, stats);
-  stats.levels_skipped = stats.first_level - 1;
   stats.lambda = surface.info.lambda;
   stats.penalty = surface.info.penalty;
   stats.t_mdl = surface.info.t_mdl;
+  return stats;
 }
 
 }  // namespace pcl_slim::detail

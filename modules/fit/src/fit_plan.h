@@ -29,6 +29,7 @@ struct CloudMeasures {
   double normal_error = 0;           ///< > 0: normals are data too, this many radians off
   float min_dot = 0;                 ///< the normal bound: normals nearer than this belong together
   bool skip_lone_sides = false;      ///< no leaf starts at a point whose neighbours face elsewhere
+  NoiseStatistics statistics;        ///< how they were measured
 };
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units
@@ -185,10 +186,10 @@ int startLevel(const PointStore& store, const FitPlan& plan);
 void fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
                  SLIMSurface& surface);
 
-/** \brief Counts a finished fit's points and surfels, and what its cover did. The times and
- * what was measured of the cloud are the fit's own to write. O(points + surfels). */
-void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-              FitStatistics& stats);
+/** \brief A finished fit's points and surfels, what its cover did, and the penalty that it was made
+ * with. Times and what was measured of the cloud are added by the caller. O(points + surfels). */
+FitStatistics countFit(const PointStore& store, const LevelCover& cover,
+                       const SLIMSurface& surface);
 
 /** \brief Why a fit has no leaf, and what helps; no error where it has some. */
 Error checkLeaves(const PointStore& store, const FitStatistics& stats);
