@@ -258,8 +258,7 @@ std::optional<TriedSides> seekSidesOfFeet(const SideTask& task, const ThinPlaces
  * local planes. */
 std::optional<TriedSides> seekSidesOfAll(const SideTask& task, const ThinPlaces& thin,
                                          double correlation, SideSearch search) {
-  constexpr double kTerraces =
-      3;  // correlation of noise that makes terraces, which look like sheets
+  constexpr double kTerraces = 3;  // least correlation of noise whose terraces look like sheets
   search.moved = leastMoved(task, thin.spacing);
   std::optional<TriedSides> found = seekSides(task, search);
   // Doubtful sides are better than none: a leaf about both sheets is farther from the points than
