@@ -80,13 +80,22 @@ struct CoverConstants {
   double residual_floor = 1e-6;     ///< [r] added to that, for the rounding of exact fits
 };
 
+/** \brief The search for sides before the cover (docs/theory.md, paragraph of that name): what can
+ * be switched off. The other constants are next to their steps in measures/sides.cpp. */
+struct SideSearchConstants {
+  std::size_t least_plane_neighbors = 16;  ///< of a plane that points of doubtful sides move to
+  double least_moved_noise = 0.7;          ///< least noise of the moved points [noise before]
+  double follow_distance = 0.1;  ///< distance of leaves from the points [median gap of two sheets]
+  double last_doubt = 0.3;  ///< largest doubt in a noisy cloud where no width of cells gives sides
+};
+
 /** \brief Common sides without normals (docs/theory.md, "Sides"). */
 struct OrientConstants {
   std::size_t neighbors = 8;  ///< nearest leaves on each level that a leaf has edges to, 32 at most
   double reach = 0.9;         ///< of r + r': leaves whose centres are farther apart do not overlap
   float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
   double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
-  double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside
+  double flat_flux = kLeastFlux;  ///< flux below this share of its bound leaves no inside
   double sheet = 3.0;  ///< [a leaf's RMS residual] points farther from it are of another sheet
   std::size_t blocks = 128;  ///< of points that vote on a leaf's side, at most
 };
@@ -110,6 +119,7 @@ struct FitConstants {
   PresetConstants preset;
   NoiseConstants noise;
   SideConstants sides;
+  SideSearchConstants side_search;
   NormalBoundConstants normal_bound;
   BallConstants ball;
   CoverConstants cover;

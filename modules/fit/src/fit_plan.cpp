@@ -2,7 +2,9 @@
 #include "fit_plan.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -204,6 +206,151 @@ FitPlan planFor(const PointStore& store, const FitParams& params, const FitConst
 
 namespace {
 
+/** The outcome of a cover with a given noise variance. */
+struct CoverResult {
+  double leaves = 0;  ///< number of them
+  double rms = 0;     ///< residual of the leaves [share of L]
+};
+
+std::string formatted(const char* format, double a, double b) {
+  char text[256];
+  std::snprintf(text, sizeof(text), format, a, b);
+  return text;
+}
+
+/** x to six significant digits. */
+double rounded(double x) {
+  char text[32];
+  const auto written = std::to_chars(text, text + sizeof(text), x, std::chars_format::general, 6);
+  std::from_chars(text, written.ptr, x);
+  return x;
+}
+
+/** Searches for the factor of the noise variance at which a cover meets a goal. */
+class FactorSearch {
+ public:
+  FactorSearch(const PointStore& store, const FitPlan& plan, int threads, Progress* progress)
+      : store_(store),
+        plan_(plan),
+        noise_(std::max(plan.energy.lambda, plan.constants.penalty_search.least_variance)),
+        threads_(threads),
+        progress_(progress) {}
+
+  /** The bracket: the noise as measured, and the factor beyond which no surface is left. */
+  double least() const { return 1; }
+  double most() const {
+    return rounded(std::max(1.0, std::pow(constants().largest_error * plan_.diagonal, 2) / noise_));
+  }
+
+  const PenaltySearchConstants& constants() const { return plan_.constants.penalty_search; }
+
+  FitPlan planAt(double factor) const { return plan_.withLambda(factor * noise_); }
+
+  Result<CoverResult> run(double factor) const {
+    const FitPlan plan = planAt(factor);
+    LevelCover cover(store_, plan, threads_);
+    if (Error error = cover.run(startLevel(store_, plan), progress_)) return error;
+    double weight = 0, sum = 0;
+    CoverResult result;
+    for (const LevelCover::Piece& piece : cover.pieces()) {
+      for (const SurfelRecord* s = piece.begin; s != piece.end; ++s) {
+        if ((s->flags & kSurfelLeaf) == 0) continue;
+        result.leaves += 1;
+        weight += s->effective_count;
+        sum += static_cast<double>(s->effective_count) * s->error * s->error;
+      }
+    }
+    result.rms = weight > 0 ? std::sqrt(sum / weight) / plan_.diagonal : 0.0;
+    return result;
+  }
+
+  /** Secant steps in log-log for a factor with goal(result) = log(measured / wanted) in
+   * [least_goal, most_goal].
+   * \param[in] goal_low,goal_high at the ends of the bracket, of opposite signs \return the factor
+   * found, else the last one tried whose measure is below the wanted one. */
+  template <typename Goal>
+  Result<double> solve(double goal_low, double goal_high, double least_goal, double most_goal,
+                       const Goal& goal) const {
+    double log_low = std::log(least()), log_high = std::log(most());
+    double kept = goal_low >= least_goal && goal_low <= most_goal ? least() : most();
+    for (int step = 0; step < constants().most_covers; ++step) {
+      double share = goal_low / (goal_low - goal_high);
+      share = std::min(std::max(share, constants().least_step), 1 - constants().least_step);
+      const double factor = rounded(std::exp(log_low + share * (log_high - log_low)));
+      const Result<CoverResult> result = run(factor);
+      if (!result) return result.error();
+      const double value = goal(*result);
+      if (value <= most_goal && (value >= least_goal || value < 0)) kept = factor;
+      if (value >= least_goal && value <= most_goal) break;
+      ((value < 0) == (goal_low < 0) ? log_low : log_high) = std::log(factor);
+      ((value < 0) == (goal_low < 0) ? goal_low : goal_high) = value;
+    }
+    return kept;
+  }
+
+ private:
+  const PointStore& store_;
+  const FitPlan& plan_;
+  double noise_;
+  int threads_;
+  Progress* progress_;
+};
+
+/** The factor whose cover leaves an RMS residual. */
+Result<double> factorForError(const FactorSearch& search, double target) {
+  const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.rms, 1e-12) / target); };
+  const Result<CoverResult> finest = search.run(search.least());
+  if (!finest) return finest.error();
+  const double tolerance = std::log(1 + search.constants().error_tolerance);
+  if (std::abs(goal(*finest)) <= tolerance) return search.least();
+  if (goal(*finest) > 0) {
+    return Error{
+        ErrorCode::kBadArgument,
+        formatted(
+            "the target error %g L lies below what noise and density allow: ask for %g L or more",
+            target, finest->rms)};
+  }
+  const Result<CoverResult> coarsest = search.run(search.most());
+  if (!coarsest) return coarsest.error();
+  if (goal(*coarsest) <= tolerance) return search.most();
+  return search.solve(goal(*finest), goal(*coarsest), -tolerance, tolerance, goal);
+}
+
+/** The factor whose cover has few enough leaves. */
+Result<double> factorForCount(const FactorSearch& search, double most) {
+  const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.leaves, 0.5) / most); };
+  const Result<CoverResult> finest = search.run(search.least());
+  if (!finest) return finest.error();
+  if (goal(*finest) <= 0) return search.least();
+  const Result<CoverResult> coarsest = search.run(search.most());
+  if (!coarsest) return coarsest.error();
+  if (goal(*coarsest) > 0) {
+    return Error{ErrorCode::kBadArgument,
+                 formatted("%g surfels are too few for this cloud: it needs at least %g", most,
+                           coarsest->leaves)};
+  }
+  return search.solve(goal(*finest), goal(*coarsest),
+                      std::log(1 - search.constants().count_tolerance), 0.0, goal);
+}
+
+}  // namespace
+
+Result<SizedPlan> sizedPlan(const PointStore& store, const FitPlan& plan, const SizeRule& size,
+                            int threads, Progress* progress) {
+  const FactorSearch search(store, plan, threads, progress);
+  Result<double> factor = 0.0;
+  if (const auto* given = std::get_if<NoiseFactor>(&size))
+    factor = given->factor;
+  else if (const auto* target = std::get_if<TargetError>(&size))
+    factor = factorForError(search, target->rms);
+  else if (const auto* most = std::get_if<MaxSurfels>(&size))
+    factor = factorForCount(search, static_cast<double>(most->leaves));
+  if (!factor) return factor.error();
+  return SizedPlan{*factor > 0 ? search.planAt(*factor) : plan, *factor};
+}
+
+namespace {
+
 constexpr std::size_t kGrain = 16;  ///< pieces a thread takes at a time; no result depends on it
 
 void setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface) {
@@ -278,6 +425,8 @@ void countPoints(const PointStore& store, const LevelCover& cover, FitStatistics
   stats.fell_by_support = balls.fits.fell_by_support;
   stats.fell_by_pivot = balls.fits.fell_by_pivot;
   stats.least_pivot = balls.fits.least_pivot;
+  stats.first_level = cover.firstLevel();
+  stats.levels_skipped = cover.firstLevel() - 1;
   stats.last_level = cover.lastLevel();
   stats.working_bytes = cover.peakBytes();
 }
@@ -348,14 +497,15 @@ Error checkLeaves(const PointStore& store, const FitStatistics& stats) {
   return {ErrorCode::kNoSurface, why};
 }
 
-void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-              FitStatistics& stats) {
+FitStatistics countFit(const PointStore& store, const LevelCover& cover,
+                       const SLIMSurface& surface) {
+  FitStatistics stats;
   countPoints(store, cover, stats);
   countSurfels(surface, stats);
-  stats.levels_skipped = stats.first_level - 1;
   stats.lambda = surface.info.lambda;
   stats.penalty = surface.info.penalty;
   stats.t_mdl = surface.info.t_mdl;
+  return stats;
 }
 
 }  // namespace pcl_slim::detail

@@ -29,6 +29,7 @@ struct CloudMeasures {
   double normal_error = 0;           ///< > 0: normals are data too, this many radians off
   float min_dot = 0;                 ///< the normal bound: normals nearer than this belong together
   bool skip_lone_sides = false;      ///< no leaf starts at a point whose neighbours face elsewhere
+  NoiseStatistics statistics;        ///< how they were measured
 };
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units
@@ -176,6 +177,24 @@ FitPlan framePlan(const StoreFrame& frame, const FitParams& params, const FitCon
 FitPlan planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
                 const CloudMeasures& measures);
 
+/** \brief A plan, and the factor that its noise variance was multiplied by; 0: none. */
+struct SizedPlan {
+  FitPlan plan;
+  double noise_factor = 0;
+};
+
+/** \brief A plan whose noise variance is multiplied by a NoiseFactor, or by the factor that meets a
+ * TargetError or MaxSurfels; with another SizeRule the plan as it is.
+ *
+ * The error a user allows is treated as if it were noise: covers are run while the factor is moved
+ * by secant steps in log-log until the RMS residual meets the target within 3 %, or the leaves
+ * number at most max_surfels (and, where reachable, 95 % of it). Factors have six decimal digits,
+ * so that one which is printed gives the same fit.
+ * \return an error where no factor reaches the goal, naming what is reachable.
+ */
+Result<SizedPlan> sizedPlan(const PointStore& store, const FitPlan& plan, const SizeRule& size,
+                            int threads, Progress* progress);
+
 /** \brief First level whose median ball contains a small share of the points: the box's size gives
  * no size of the object, as one far point can stretch it. 1 in paper mode. */
 int startLevel(const PointStore& store, const FitPlan& plan);
@@ -185,10 +204,10 @@ int startLevel(const PointStore& store, const FitPlan& plan);
 void fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
                  SLIMSurface& surface);
 
-/** \brief Counts a finished fit's points and surfels, and what its cover did. The times and
- * what was measured of the cloud are the fit's own to write. O(points + surfels). */
-void countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
-              FitStatistics& stats);
+/** \brief A finished fit's points and surfels, what its cover did, and the penalty that it was made
+ * with. Times and what was measured of the cloud are added by the caller. O(points + surfels). */
+FitStatistics countFit(const PointStore& store, const LevelCover& cover,
+                       const SLIMSurface& surface);
 
 /** \brief Why a fit has no leaf, and what helps; no error where it has some. */
 Error checkLeaves(const PointStore& store, const FitStatistics& stats);

@@ -466,12 +466,10 @@ class ClassedEdges {
 /** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
  * surfaces that face each other across a gap do not determine either's outside. */
 SignedForest spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-                            const OrientConstants& constants, FitStatistics& stats) {
-  // Most edges connect what lighter ones have joined: they are dropped before they are ordered.
-  ClassedEdges edges(overlapGraph(s, leaves, stats.threads, constants));
-  stats.sides.overlap_edges = edges.size();
+                            const OrientConstants& constants, ClassedEdges edges) {
   SignedForest forest(s.size());
   std::vector<char> closed;
+  // Most edges connect what lighter ones have joined: they are dropped before they are ordered.
   const auto joinsTwo = [&](const OverlapEdge& e) { return forest.root(e.a) != forest.root(e.b); };
   edges.forEach(joinsTwo, [&](const OverlapEdge& e) {
     if (e.weight <= constants.weak_edge) {
@@ -496,8 +494,8 @@ SignedForest spanningForest(const SLIMSurface& s, const std::vector<std::uint32_
 /** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle.
  */
 std::vector<signed char> graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-                                    const OrientConstants& constants, FitStatistics& stats) {
-  SignedForest forest = spanningForest(s, leaves, constants, stats);
+                                    const OrientConstants& constants, ClassedEdges edges) {
+  SignedForest forest = spanningForest(s, leaves, constants, std::move(edges));
   const Parts found = partsOf(s, leaves, forest);
   std::vector<signed char> signs(s.size(), 1);
   for (std::size_t k = 0; k < leaves.size(); ++k) {
@@ -547,23 +545,26 @@ void turn(std::vector<signed char> signs, SLIMSurface& surface) {
 
 }  // namespace
 
-void orientSurface(const PointStore* store, const FitParams& params,
-                   const OrientConstants& constants, SLIMSurface& surface, FitStatistics& stats) {
+Orientation orientSurface(const PointStore* store, const FitParams& params,
+                          const OrientConstants& constants, int threads, SLIMSurface& surface) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
+  Orientation found;
   std::vector<signed char> signs;
   if (params.viewpoint) {
-    stats.sides.source = SideSource::kViewpoint;
+    found.source = SideSource::kViewpoint;
     signs = viewpointSigns(surface, params);
   } else if (store != nullptr && store->hasSensors()) {
-    stats.sides.source = SideSource::kSensors;
-    signs = signsByRays(surface, *store, leaves, constants, stats.threads, [&](std::size_t i) {
+    found.source = SideSource::kSensors;
+    signs = signsByRays(surface, *store, leaves, constants, threads, [&](std::size_t i) {
       return subtract(store->sensor(i), store->position(i));
     });
   } else {
-    stats.sides.source = SideSource::kOverlaps;
-    signs = graphSigns(surface, leaves, constants, stats);
+    ClassedEdges edges(overlapGraph(surface, leaves, threads, constants));
+    found = {SideSource::kOverlaps, edges.size()};
+    signs = graphSigns(surface, leaves, constants, std::move(edges));
   }
   turn(signs, surface);
+  return found;
 }
 
 void turnToSides(const PointStore& store, const OrientConstants& constants, int threads,

@@ -34,6 +34,12 @@ std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& surface,
                                                    int threads,
                                                    const OrientConstants& constants = {});
 
+/** \brief How surfels got their sides. */
+struct Orientation {
+  SideSource source = SideSource::kNone;
+  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches
+};
+
 /** \brief Gives surfels fitted without normals a common side; flips them in place.
  *
  * Towards FitParams' viewpoint; or, where the store's points have sensors, towards those of each
@@ -42,10 +48,10 @@ std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& surface,
  * part then turns outward as seen from its centroid. Internal surfels follow the leaves below them.
  * SurfaceInfo::oriented stays false: near sheets and creases a sign can be wrong, so blending
  * aligns signs point by point.
- * \param[in] store the points fitted, or null \param[out] stats side_source and overlap_edges
+ * \param[in] store the points fitted, or null
  */
-void orientSurface(const PointStore* store, const FitParams& params,
-                   const OrientConstants& constants, SLIMSurface& surface, FitStatistics& stats);
+Orientation orientSurface(const PointStore* store, const FitParams& params,
+                          const OrientConstants& constants, int threads, SLIMSurface& surface);
 
 /** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted,
  * with sides */

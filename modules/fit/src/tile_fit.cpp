@@ -103,20 +103,21 @@ Result<MeasuredTraits> measureTraits(const PointStore& sample, const FitParams& 
   const FitParams params = resolvedParams(asked, constants.preset);
   const int threads = resolveThreads(params.threads);
   MeasuredTraits measured;
+  if (Error error = checkNormals(sample, params)) return error;
+  const CloudMeasures found = measureCloud(sample, params, constants, threads);
   FitStatistics& stats = measured.statistics;
-  const Result<CloudMeasures> found = measureCloud(sample, params, constants, threads, stats);
-  if (!found) return found.error();
-  stats.lambda = found->lambda / (sample.diagonal() * sample.diagonal());
+  stats.noise = found.statistics;
+  stats.lambda = found.lambda / (sample.diagonal() * sample.diagonal());
   CloudTraits& traits = measured.traits;
-  traits.lambda = found->lambda;
-  traits.min_dot = planFor(sample, params, constants, *found).min_dot;
-  traits.normal_error = found->normal_error;
+  traits.lambda = found.lambda;
+  traits.min_dot = planFor(sample, params, constants, found).min_dot;
+  traits.normal_error = found.normal_error;
   if (how.thinning == 1) traits.spacing = medianSpacing(sample);
-  traits.profile = profileKind(params, *found);
-  measured.noise_fills = noiseFills(sample, stats, found->lambda, constants.noise);
+  traits.profile = profileKind(params, found);
+  measured.noise_fills = noiseFills(sample, stats, found.lambda, constants.noise);
   if (traits.profile != CloudTraits::Profile::kNone && stats.noise.neighbors == 0)
     stats.noise.neighbors = measureNoise(sample, constants.noise, threads).neighbors;
-  traits.dependence = unthinned(found->correlation, how);
+  traits.dependence = unthinned(found.correlation, how);
   traits.noise_neighbors = how.thinning * stats.noise.neighbors;
   stats.noise.correlation = unthinned(stats.noise.correlation, how);
   return measured;
@@ -147,36 +148,38 @@ Error fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIM
   if (Error error = checkTileParams(asked)) return error;
   const FitConstants constants;
   const FitParams params = resolvedParams(asked, constants.preset);
-  FitStatistics stats;
-  stats.threads = resolveThreads(params.threads);
+  const int threads = resolveThreads(params.threads);
+  FitSeconds seconds;
   Stopwatch watch;
-  stats.outliers = coreOf(store, job).size();
+  const std::size_t given = coreOf(store, job).size();
   if (!params.keep_outliers) {
-    const std::vector<std::uint32_t> outliers =
-        findOutliers(store, stats.threads, job.traits.spacing);
-    if (!outliers.empty()) store.drop(outliers, stats.threads);
+    const std::vector<std::uint32_t> outliers = findOutliers(store, threads, job.traits.spacing);
+    if (!outliers.empty()) store.drop(outliers, threads);
   }
   const PointRange core = coreOf(store, job);
-  stats.outliers -= core.size();
-  stats.seconds.outliers = watch.lap();
+  seconds.outliers = watch.lap();
 
   CloudMeasures measures = measuresOf(job.traits);
-  measures.noise_profile = profileOf(store, job.traits, stats.threads, constants.noise);
+  measures.noise_profile = profileOf(store, job.traits, threads, constants.noise);
   const FitPlan plan = planFor(store, params, constants, measures);
-  stats.seconds.noise = watch.lap();
+  seconds.noise = watch.lap();
 
-  stats.first_level = job.first_level;
-  LevelCover cover(store, plan, stats.threads, core);
+  LevelCover cover(store, plan, threads, core);
   if (Error error = cover.run(job.first_level, progress)) return error;
-  fillSurface(store, plan, cover, stats.threads, surface);
-  stats.seconds.cover = watch.lap();
+  fillSurface(store, plan, cover, threads, surface);
+  seconds.cover = watch.lap();
 
-  if (params.trim) makeTrimMaps(store, plan, params.hole_size, stats, surface);
-  stats.seconds.trim = watch.lap();
-  countFit(store, cover, surface, stats);
+  const std::uint64_t trim_candidates = makeTrimMaps(store, plan, params, threads, surface);
+  seconds.trim = watch.lap();
+  if (statistics == nullptr) return {};
+  FitStatistics& stats = *statistics;
+  stats = countFit(store, cover, surface);
   stats.points = core.size();
+  stats.outliers = given - core.size();
   stats.never_gathered -= std::min<std::uint64_t>(stats.never_gathered, store.size() - core.size());
-  if (statistics != nullptr) *statistics = stats;
+  stats.trim_candidates = trim_candidates;
+  stats.seconds = seconds;
+  stats.threads = threads;
   return {};
 }
 
@@ -185,24 +188,21 @@ Error fitCoarseLevels(const PointStore& sample, const FitParams& asked, const Co
   FitConstants constants;
   constants.cover.last_level = job.last_level;
   const FitParams params = resolvedParams(asked, constants.preset);
-  FitStatistics stats;
-  stats.threads = resolveThreads(params.threads);
+  const int threads = resolveThreads(params.threads);
   CloudTraits traits = job.traits;
   traits.dependence = 1 + (traits.dependence - 1) / static_cast<double>(job.thinning);
   const FitPlan plan = planFor(sample, params, constants, measuresOf(traits)).withoutLeaves();
-  LevelCover cover(sample, plan, stats.threads);
+  LevelCover cover(sample, plan, threads);
   if (Error error = cover.run(startLevel(sample, plan), progress)) return error;
-  fillSurface(sample, plan, cover, stats.threads, surface);
-  if (params.trim) makeTrimMaps(sample, plan, params.hole_size, stats, surface);
+  fillSurface(sample, plan, cover, threads, surface);
+  makeTrimMaps(sample, plan, params, threads, surface);
   return {};
 }
 
 void orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface) {
   FitParams facing = params;
   if (!params.viewpoint) facing.viewpoint = frame.sensor;
-  FitStatistics stats;
-  stats.threads = resolveThreads(params.threads);
-  orientSurface(nullptr, facing, FitConstants().orient, surface, stats);
+  orientSurface(nullptr, facing, FitConstants().orient, resolveThreads(params.threads), surface);
 }
 
 }  // namespace pcl_slim

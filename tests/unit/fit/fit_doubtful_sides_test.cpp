@@ -107,7 +107,7 @@ TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt) {
     addBox({0, at, 0}, {width, at + thick, width}, faces);
   }
   detail::FitConstants constants;
-  constants.sides.followed = HUGE_VAL;
+  constants.side_search.follow_distance = HUGE_VAL;
   double with = 0, without = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     std::mt19937_64 rng(seed);
@@ -188,9 +188,9 @@ double rmsFrom(const FlatRing& ring, const std::vector<Vector3>& places) {
 TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide) {
   const FlatRing ring;
   detail::FitConstants doubtful;
-  doubtful.sides.flatter = HUGE_VAL;
+  doubtful.sides.two_sheet_kurtosis = HUGE_VAL;
   detail::FitConstants strict = doubtful;
-  strict.sides.last_doubt = 0;
+  strict.side_search.last_doubt = 0;
   int left_whole = 0;
   for (const unsigned seed : {5u, 7u, 9u}) {
     std::mt19937_64 rng(seed);

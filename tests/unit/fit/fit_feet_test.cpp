@@ -63,7 +63,7 @@ struct Rods {
 TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts) {
   const Rods rods;
   detail::FitConstants constants;
-  constants.sides.least_plane = 1000;
+  constants.side_search.least_plane_neighbors = 1000;
   double with = 0, without = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     const Cloud cloud = rods.cloud(seed);
@@ -97,8 +97,8 @@ TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried) {
   // A sphere in another, 3 to 12 spacings from it. Cells far wider than both: the feet get no
   // sides.
   detail::FitConstants no_sides, no_feet;
-  no_sides.sides.feet_noise = 1000;
-  no_feet.sides.least_plane = 1000;
+  no_sides.side_search.least_moved_noise = 1000;
+  no_feet.side_search.least_plane_neighbors = 1000;
   const double radius = 30, inner = 22.5, gap = 3, noise = 1.5;
   std::mt19937_64 rng(1);
   std::normal_distribution<double> gauss(0, 1), error(0, noise);

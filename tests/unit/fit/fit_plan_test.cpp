@@ -18,10 +18,8 @@ using measure::Shape;
 FitPlan planOf(const FitParams& params) {
   const PointStore store =
       pcl_slim_test::storeOf(pcl_slim_test::sceneCloud(Shape::kSphere, 200, 0.0));
-  FitStatistics stats;
-  const auto measures = measureCloud(store, params.resolved(), FitConstants(), 1, stats);
-  EXPECT_TRUE(measures);
-  return planFor(store, params.resolved(), FitConstants(), *measures);
+  const CloudMeasures measures = measureCloud(store, params.resolved(), FitConstants(), 1);
+  return planFor(store, params.resolved(), FitConstants(), measures);
 }
 
 TEST(FitPlan, AGivenTLeavesFewerReasonsToStop) {

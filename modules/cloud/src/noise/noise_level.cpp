@@ -84,27 +84,29 @@ NoiseLevel measureNoise(const PointStore& store, const NoiseConstants& constants
   return noise;
 }
 
-NoiseLevel measurePaperNoise(const PointStore& store, const NoiseConstants& constants,
-                             int threads) {
+NoiseLevel measurePaperNoise(const PointStore& store, int threads) {
+  constexpr std::size_t kSamples = 1000;  // neighbourhoods
+  constexpr std::size_t kNeighbors = 10;  // of each, without the sample
+  constexpr double kLeastError = 1e-6;    // sqrt(lambda) [L]
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
     thread_local Patch patch;
-    patchAbout(store, search, sample, constants.paper_neighbors + 1, patch);
+    patchAbout(store, search, sample, kNeighbors + 1, patch);
     if (patch.points.size() < 4) return -1.0;
     return std::max(0.0, principalAxes(patch.points).eigenvalues()(0));
   };
-  const auto values = sampleStore(store, constants.paper_samples, 1, threads, measure);
+  const auto values = sampleStore(store, kSamples, 1, threads, measure);
   double sum = 0;
   std::size_t count = 0;
   for (const double value : values) {
     sum += std::max(value, 0.0);
     count += value >= 0.0;
   }
-  const double floor = constants.paper_floor * store.diagonal();
+  const double floor = kLeastError * store.diagonal();
   NoiseLevel noise;
   noise.variance = std::max(count > 0 ? sum / static_cast<double>(count) : 0.0, floor * floor);
-  noise.neighbors = constants.paper_neighbors;
+  noise.neighbors = kNeighbors;
   noise.patches = values.size();
   return noise;
 }
@@ -397,7 +399,7 @@ namespace pcl_slim {
 
 double estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads) {
   const bool paper = estimator == NoiseEstimator::kMinEigenvalue10;
-  return (paper ? detail::measurePaperNoise(store, {}, threads)
+  return (paper ? detail::measurePaperNoise(store, threads)
                 : detail::measureNoise(store, {}, threads))
       .variance;
 }

@@ -19,6 +19,8 @@ namespace {
 
 /// Factor of the last point's squared search radius that probably suffices for the next point.
 constexpr float kRadiusMargin = 1.4f;
+/// Number of nearest points that decide which sheet a point is on.
+constexpr std::size_t kNearest = 32;
 
 using Normal = std::array<float, 3>;
 using Normals = std::vector<Normal>;
@@ -70,13 +72,11 @@ Eigen::Matrix3d axesOf(const Eigen::Vector3f& own) {
 /** Decides which sheet a point is on, one point at a time. Each thread has one. */
 class SheetChoice {
  public:
-  SheetChoice(const PointStore& store, const SideConstants& constants)
-      : store_(store), constants_(constants), search_(store) {}
+  explicit SheetChoice(const PointStore& store) : store_(store), search_(store) {}
 
-  /** The nearest points of a stored point, itself included.
-   * \param[in] factor of SideConstants::settled_points */
+  /** The nearest points of a stored point, itself included. \param[in] factor of kNearest */
   const std::vector<std::uint32_t>& nearest(std::size_t point, std::size_t factor = 1) {
-    const std::size_t count = factor * constants_.settled_points;
+    const std::size_t count = factor * kNearest;
     const float about = kRadiusMargin * static_cast<float>(count) * reach_sq_;
     reach_sq_ = search_.nearestSet(point, count, near_, about) / static_cast<float>(count);
     return near_;
@@ -117,6 +117,10 @@ class SheetChoice {
   /** A point's normal; the common direction of its neighbours' normals if they have one and the
    * point's differs from it. Cells of few points or of two sheets have arbitrary normals. */
   Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const {
+    // Mean squared cosine to the neighbours' normals below which a normal is replaced.
+    constexpr float kLeastAlignment = 0.5f;
+    // Share of the squares of the neighbours' normals along one direction that is common.
+    constexpr float kCommonDirection = 0.6f;
     Eigen::Vector3f own = normalAt(normals, point);
     Eigen::Matrix3f products = Eigen::Matrix3f::Zero();
     for (const std::uint32_t j : near_) {
@@ -124,11 +128,10 @@ class SheetChoice {
       products += n * n.transpose();
     }
     const float all = products.trace();
-    if (own.dot(products * own) > static_cast<float>(constants_.least_alignment) * all) return own;
+    if (own.dot(products * own) > kLeastAlignment * all) return own;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
     axes.computeDirect(products);
-    if (!(axes.eigenvalues()[2] > static_cast<float>(constants_.common_direction) * all))
-      return own;
+    if (!(axes.eigenvalues()[2] > kCommonDirection * all)) return own;
     const Eigen::Vector3f common = axes.eigenvectors().col(2);
     return own.dot(common) < 0 ? Eigen::Vector3f(-common) : common;
   }
@@ -174,7 +177,6 @@ class SheetChoice {
   }
 
   const PointStore& store_;
-  const SideConstants& constants_;
   NeighborSearch search_;
   std::vector<std::uint32_t> near_, same_, others_;
   float reach_sq_ = 0;  ///< squared radius of the last search over its number of points
@@ -235,14 +237,14 @@ Normals normalsOf(const std::vector<std::uint32_t>& points, const Normals& norma
 
 }  // namespace
 
-void settleSides(const PointStore& store, const std::vector<char>& on_rods,
-                 const SideConstants& constants, int threads, Normals& normals) {
+void settleSides(const PointStore& store, const std::vector<char>& on_rods, int threads,
+                 Normals& normals) {
+  constexpr int kMostRounds = 30;
   threads = resolveThreads(threads);
-  std::vector<SheetChoice> choices(static_cast<std::size_t>(threads),
-                                   SheetChoice(store, constants));
+  std::vector<SheetChoice> choices(static_cast<std::size_t>(threads), SheetChoice(store));
   const std::vector<std::uint32_t> facing = pointsFacingOthers(store, on_rods, normals, choices);
   std::vector<std::uint32_t> open = facing, changed;
-  for (int round = 0; round < constants.settle_rounds && !open.empty(); ++round) {
+  for (int round = 0; round < kMostRounds && !open.empty(); ++round) {
     const Normals settled = normalsOf(
         open, normals, choices,
         [&](SheetChoice& choice, std::size_t point) { return choice.settled(normals, point); });

@@ -17,9 +17,6 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/// Least |flux| of a component that has an inside [its upper bound].
-constexpr double kLeastFlux = 0.1;
-
 /** Moments of a connected component of the cells. */
 struct Part {
   double count = 0;      ///< number of points

@@ -149,7 +149,7 @@ class PlaceTest {
   bool recognizeSheets(const PatchCubic& cubic) {
     const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
     const double excess = excessOf(cubic);
-    if (excess > -constants_->flatter - kKurtosisDeviations * deviation) return false;
+    if (excess > -constants_->two_sheet_kurtosis - kKurtosisDeviations * deviation) return false;
     figures_.thin = figures_.flat = true;
     figures_.variance *= 1 - std::sqrt(std::min(1.0, -0.5 * excess));
     return true;

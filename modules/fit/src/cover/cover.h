@@ -204,6 +204,7 @@ class LevelCover {
   /** \brief All surfels: by level, in the Morton order of cells within each. */
   std::vector<Piece> pieces() const;
 
+  int firstLevel() const { return first_level_; }
   int lastLevel() const { return last_level_; }
   PointCounts countPoints() const;
   BallCounters counters() const;
@@ -254,7 +255,7 @@ class LevelCover {
   CoverCells cells_;                      ///< of active_, at this level
   std::vector<Output> outputs_;           ///< of all levels so far
   std::uint8_t level_mark_, done_marks_;  ///< mark of this level, and all that count at it
-  int last_level_ = 0;
+  int first_level_ = 1, last_level_ = 0;
   std::uint64_t unresolved_ = 0;  ///< points left when levels became too fine
   std::uint64_t peak_bytes_ = 0;
 };

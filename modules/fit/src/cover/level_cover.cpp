@@ -183,6 +183,7 @@ void LevelCover::forSlices(std::size_t count, const Body& body) const {
 
 Error LevelCover::run(int first_level, Progress* progress) {
   const double points = static_cast<double>(core_.size());
+  first_level_ = first_level;
   for (int level = first_level;
        !active_.empty() && level <= plan_.constants.cover.last_level && plan_.allows(level);
        ++level) {

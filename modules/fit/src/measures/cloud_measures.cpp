@@ -158,40 +158,15 @@ bool measuresResiduals(const FitParams& params) {
   return !params.lambda && !params.paper_mode && !params.hasThreshold();
 }
 
-/** The noise level by the residual estimate, measured once, at the first request. */
-class ResidualNoise {
- public:
-  ResidualNoise(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-                int threads, FitStatistics& stats)
-      : store_(store), params_(params), constants_(constants), threads_(threads), stats_(stats) {}
-
-  const NoiseLevel& level() {
-    if (!measured_) {
-      level_ = measure();
-      stats_.noise.patches += level_.patches;
-    }
-    measured_ = true;
-    return level_;
-  }
-
- private:
-  NoiseLevel measure() const {
-    const std::optional<double> given = params_.noise_correlation;
-    if (given > 1) return measureSharedNoise(store_, *given, constants_, threads_);
-    const NoiseLevel white = measureNoise(store_, constants_, threads_);
-    return measuresResiduals(params_) && !given
-               ? recognizeFrameNoise(store_, white, constants_, threads_)
-               : white;
-  }
-
-  const PointStore& store_;
-  const FitParams& params_;
-  const NoiseConstants& constants_;
-  int threads_;
-  FitStatistics& stats_;
-  NoiseLevel level_;
-  bool measured_ = false;
-};
+/** The noise level by the residual estimate. */
+NoiseLevel residualNoise(const PointStore& store, const FitParams& params,
+                         const NoiseConstants& constants, int threads) {
+  const std::optional<double> given = params.noise_correlation;
+  if (given > 1) return measureSharedNoise(store, *given, constants, threads);
+  const NoiseLevel white = measureNoise(store, constants, threads);
+  return measuresResiduals(params) && !given ? recognizeFrameNoise(store, white, constants, threads)
+                                             : white;
+}
 
 /** The noise model's variances for runs of points, in local units. */
 std::vector<float> modelProfile(const PointStore& store, const FitParams& params,
@@ -221,61 +196,39 @@ void takeVariances(std::vector<float> variances, float least, CloudMeasures& mea
 }
 
 /** The paper's T_MDL belongs to its lambda; the default penalty to the residual estimate. */
-double noiseVariance(const PointStore& store, const FitParams& params,
-                     const NoiseConstants& constants, int threads, ResidualNoise& residual) {
+double noiseVariance(const PointStore& store, const FitParams& params, const NoiseLevel& residual,
+                     int threads) {
   const double diagonal = store.diagonal();
   if (params.lambda) return *params.lambda * diagonal * diagonal;
-  return measuresResiduals(params) ? residual.level().variance
-                                   : measurePaperNoise(store, constants, threads).variance;
+  return measuresResiduals(params) ? residual.variance : measurePaperNoise(store, threads).variance;
 }
 
 /** How noise varies over the cloud, if the user or the data show that it does. */
-void measureProfile(const PointStore& store, const FitParams& params,
-                    const NoiseConstants& constants, int threads, ResidualNoise& residual,
-                    CloudMeasures& measures) {
+void measureProfile(const PointStore& store, const FitParams& params, const NoiseLevel& residual,
+                    const NoiseConstants& constants, int threads, CloudMeasures& measures) {
   const bool shared = measures.correlation > 1;
   if (params.noise_model) {
     takeVariances(modelProfile(store, params, constants, threads), constants.least_ratio, measures);
   } else if (params.local_noise == false) {
     return;
   } else if (params.local_noise == true || (shared && measuresResiduals(params))) {
-    measures.noise_profile = measureNoiseProfile(store, residual.level(), constants, threads);
-  } else if (measuresResiduals(params) && residual.level().uneven) {
-    measures.noise_profile = measureRaisedProfile(store, residual.level(), constants, threads);
+    measures.noise_profile = measureNoiseProfile(store, residual, constants, threads);
+  } else if (measuresResiduals(params) && residual.uneven) {
+    measures.noise_profile = measureRaisedProfile(store, residual, constants, threads);
   }
 }
 
-void measureErrors(const PointStore& store, const FitParams& params,
-                   const NoiseConstants& constants, int threads, CloudMeasures& measures,
-                   FitStatistics& stats) {
-  ResidualNoise residual(store, params, constants, threads, stats);
-  if (!params.noise_model)
-    measures.lambda = noiseVariance(store, params, constants, threads, residual);
-  if (measuresResiduals(params)) measures.correlation = residual.level().dependence;
-  if (params.noise_correlation) measures.correlation = *params.noise_correlation;
-  measureProfile(store, params, constants, threads, residual, measures);
-  measures.noise = measures.lambda;
-  stats.noise.patches += measures.noise_profile.size();
-  stats.noise.correlation = measures.correlation;
-  stats.noise.varies = !measures.noise_profile.empty();
-  if (!measuresResiduals(params)) return;
-  stats.noise.error = residual.level().error;
-  stats.noise.correlation = residual.level().correlation;
-  stats.noise.correlation_error = residual.level().correlation_error;
-  stats.noise.frames = residual.level().frames;
-  stats.noise.line = residual.level().dependence > 1 ? residual.level().line : 0;
-  stats.noise.step = residual.level().step / store.diagonal();
-  stats.noise.neighbors = residual.level().neighbors;
-  stats.noise.patch_radius = residual.level().patch_radius / store.diagonal();
-}
-
-/** What normals weigh as data: the error stated, or the one measured if it is their own. */
-double normalError(const PointStore& store, const FitParams& params, int threads,
-                   FitStatistics& stats) {
-  if (params.normal_error) return *params.normal_error;
-  const NormalError measured = measureNormalError(store, {}, threads);
-  stats.noise.normals_follow_points = !measured.independent();
-  return stats.noise.normals_follow_points ? 0 : measured.radians;
+NoiseStatistics statisticsOf(const NoiseLevel& residual, double diagonal) {
+  NoiseStatistics found;
+  found.error = residual.error;
+  found.correlation = residual.correlation;
+  found.correlation_error = residual.correlation_error;
+  found.frames = residual.frames;
+  found.line = residual.dependence > 1 ? residual.line : 0;
+  found.step = residual.step / diagonal;
+  found.neighbors = residual.neighbors;
+  found.patch_radius = residual.patch_radius / diagonal;
+  return found;
 }
 
 /** The cosine above which two normals belong together. */
@@ -285,21 +238,48 @@ float minDot(const PointStore& store, const FitParams& params, const FitConstant
   return normalBound(store, constants.normal_bound);
 }
 
+/** What normals weigh as data: the error stated, or the one measured if it is their own. */
+void measureNormals(const PointStore& store, const FitParams& params, int threads,
+                    CloudMeasures& measures) {
+  if (params.normal_error) {
+    measures.normal_error = *params.normal_error;
+  } else {
+    const NormalError measured = measureNormalError(store, {}, threads);
+    measures.statistics.normals_follow_points = !measured.independent();
+    measures.normal_error = measured.independent() ? measured.radians : 0;
+  }
+  measures.statistics.normal_error = measures.normal_error;
+}
+
 }  // namespace
 
-Result<CloudMeasures> measureCloud(const PointStore& store, const FitParams& params,
-                                   const FitConstants& constants, int threads,
-                                   FitStatistics& stats) {
+CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
+                           const FitConstants& constants, int threads) {
+  const NoiseConstants& noise = constants.noise;
+  const bool by_residuals = measuresResiduals(params);
+  NoiseLevel residual;
+  if (by_residuals || (params.local_noise == true && !params.noise_model))
+    residual = residualNoise(store, params, noise, threads);
   CloudMeasures measures;
   measures.min_dot = minDot(store, params, constants);
-  measureErrors(store, params, constants.noise, threads, measures, stats);
-  if (!params.normals_as_data) return measures;
-  if (!store.hasNormals()) {
-    return Error{ErrorCode::kBadInput,
-                 "the points have no normals to take as data: give some, or leave it"};
-  }
-  measures.normal_error = stats.noise.normal_error = normalError(store, params, threads, stats);
+  if (!params.noise_model) measures.lambda = noiseVariance(store, params, residual, threads);
+  measures.correlation = params.noise_correlation.value_or(by_residuals ? residual.dependence : 1);
+  measureProfile(store, params, residual, noise, threads, measures);
+  measures.noise = measures.lambda;
+  if (by_residuals)
+    measures.statistics = statisticsOf(residual, store.diagonal());
+  else
+    measures.statistics.correlation = measures.correlation;
+  measures.statistics.patches = residual.patches + measures.noise_profile.size();
+  measures.statistics.varies = !measures.noise_profile.empty();
+  if (params.normals_as_data) measureNormals(store, params, threads, measures);
   return measures;
+}
+
+Error checkNormals(const PointStore& store, const FitParams& params) {
+  if (!params.normals_as_data || store.hasNormals()) return {};
+  return {ErrorCode::kBadInput,
+          "the points have no normals to take as data: give some, or leave it"};
 }
 
 }  // namespace pcl_slim::detail

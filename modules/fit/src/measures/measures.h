@@ -2,11 +2,8 @@
 // What a fit learns of a cloud before it covers it: its noise, the error of its normals, its sides.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
-#include <utility>
-#include <vector>
 
 #include "fit_constants.h"
 #include "fit_plan.h"
@@ -16,11 +13,12 @@
 namespace pcl_slim::detail {
 
 /** \brief A cloud's errors as given by the user or measured: lambda, the noise profile, the normal
- * bound and what normals weigh as data. \return an error where normals are to be data and there are
- * none. */
-Result<CloudMeasures> measureCloud(const PointStore& store, const FitParams& params,
-                                   const FitConstants& constants, int threads,
-                                   FitStatistics& stats);
+ * bound and what normals weigh as data. checkNormals() must have passed. */
+CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
+                           const FitConstants& constants, int threads);
+
+/** \brief An error where normals are to be data and there are none. */
+Error checkNormals(const PointStore& store, const FitParams& params);
 
 /** \brief Whether normals are measured apart from the points (docs/theory.md, "Normals as data").
  */
@@ -59,57 +57,26 @@ struct NormalError {
 NormalError measureNormalError(const PointStore& store, const NormalErrorConstants& constants,
                                int threads);
 
-/** \brief A store that a fit may give sides: the caller's own, or a copy where that is const. */
-class SidedStore {
- public:
-  explicit SidedStore(PointStore& store) : store_(&store), own_(&store) { store.clearSides(); }
-  explicit SidedStore(const PointStore& store) : store_(&store) {
-    if (!store.hasSides() || store.hasNormals()) return;
-    own().clearSides();
-  }
+/** \brief What is known of the sides of a cloud's points before the cover. */
+struct CloudSides {
+  /// The points as the cover reads them: with sides, and moved where that helps; none: as they are.
+  std::optional<PointStore> for_cover;
+  std::optional<PointStore> after_cover;  ///< with the sides after it; none: those of the cover
+  CloudMeasures measures;                 ///< of the cloud with its sides
+  SideStatistics statistics;
 
-  const PointStore& store() const { return *store_; }
-  /** \brief Whether the sides are set in the caller's store itself, not in a copy. */
-  bool isKept() const { return own_ != nullptr && !copy_; }
-  void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
-  /** \brief Sets sides for the cover, in whose place endCover() sets those for orientation and trim
-   * maps. */
-  void setSidesForCover(const std::vector<std::array<float, 3>>& normals,
-                        std::vector<std::array<float, 3>> after) {
-    own().setSides(normals);
-    after_cover_ = std::move(after);
+  const PointStore& coverStore(const PointStore& points) const {
+    return for_cover ? *for_cover : points;
   }
-  void endCover() {
-    own().setSides(after_cover_);
-    after_cover_.clear();
+  const PointStore& storeAfterCover(const PointStore& points) const {
+    return after_cover ? *after_cover : coverStore(points);
   }
-  void moveTo(const std::vector<std::array<double, 3>>& positions, int threads) {
-    own().moveTo(positions, threads);
-  }
-  void clearSides() {
-    if (store_->hasSides() && !store_->hasNormals()) own().clearSides();
-  }
-
- private:
-  PointStore& own() {
-    if (own_ == nullptr) {
-      copy_ = *store_;
-      store_ = own_ = &*copy_;
-    }
-    return *own_;
-  }
-
-  const PointStore* store_;
-  PointStore* own_ = nullptr;
-  std::optional<PointStore> copy_;
-  std::vector<std::array<float, 3>> after_cover_;
 };
 
-/** \brief Gives the points of a cloud without normals sides where balls would meet both sides of
- * thin parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover"). The
- * store and the measures stay as they are elsewhere.
- * \param[in,out] measures those made without sides */
-Error giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-                CloudMeasures& measures, FitStatistics& stats);
+/** \brief Finds sides of the points of a cloud without normals where balls would meet both sides of
+ * thin parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover").
+ * \param[in] measures made without sides */
+CloudSides sidesBeforeCover(const PointStore& store, const FitParams& params,
+                            const FitConstants& constants, int threads, CloudMeasures measures);
 
 }  // namespace pcl_slim::detail

@@ -360,15 +360,15 @@ class BorderTest {
   NearPoints near_;
 };
 
-/** \brief Gives the surfels that data do not fill their trim maps (docs/theory.md, "Borders").
+/** \brief Gives the surfels that data do not fill their trim maps (docs/theory.md, "Borders"), if
+ * the parameters ask for them and not for the paper's choices.
  *
  * Every surfel's ball is gathered once more, and searched for gaps; those that may have one are
  * measured. Internal surfels, which level of detail draws small, get coarse maps. Surfels in
  * parallel; the same bytes for any number of threads.
- * \param[in] hole_size diameter of the smallest hole kept, in spacings of a surfel's points
- * \param[in,out] stats its threads are used, trim_candidates counted
+ * \return the number of surfels whose gaps were measured
  */
-void makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size,
-                  FitStatistics& stats, SLIMSurface& surface);
+std::uint64_t makeTrimMaps(const PointStore& store, const FitPlan& plan, const FitParams& params,
+                           int threads, SLIMSurface& surface);
 
 }  // namespace pcl_slim::detail

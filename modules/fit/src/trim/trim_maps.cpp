@@ -202,16 +202,17 @@ constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no resu
 
 }  // namespace
 
-void makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size,
-                  FitStatistics& stats, SLIMSurface& surface) {
+std::uint64_t makeTrimMaps(const PointStore& store, const FitPlan& plan, const FitParams& params,
+                           int threads, SLIMSurface& surface) {
+  if (!params.trim || params.paper_mode) return 0;
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
-  makers.reserve(static_cast<std::size_t>(stats.threads));
-  for (int t = 0; t < stats.threads; ++t)
-    makers.push_back(std::make_unique<TrimMaker>(store, plan, hole_size, surface, borders));
+  makers.reserve(static_cast<std::size_t>(threads));
+  for (int t = 0; t < threads; ++t)
+    makers.push_back(std::make_unique<TrimMaker>(store, plan, params.hole_size, surface, borders));
   std::vector<std::uint8_t> sides(surface.size());
   std::vector<std::vector<std::uint8_t>> runs((surface.size() + kRun - 1) / kRun);
-  parallelFor(runs.size(), stats.threads, 1, [&](std::size_t run, int thread) {
+  parallelFor(runs.size(), threads, 1, [&](std::size_t run, int thread) {
     const std::size_t end = std::min(surface.size(), (run + 1) * kRun);
     TrimMaker& maker = *makers[static_cast<std::size_t>(thread)];
     maker.prepare(run * kRun, end);
@@ -223,7 +224,9 @@ void makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size
   std::vector<std::uint8_t> bits;
   for (const auto& run : runs) bits.insert(bits.end(), run.begin(), run.end());
   surface.setTrimMaps(sides, bits);
-  for (const auto& maker : makers) stats.trim_candidates += maker->numCandidates();
+  std::uint64_t candidates = 0;
+  for (const auto& maker : makers) candidates += maker->numCandidates();
+  return candidates;
 }
 
 }  // namespace pcl_slim::detail

@@ -76,34 +76,31 @@ double greatestAngle(const Normals& normals, const Normals& others) {
 }
 
 TEST(SettleSides, SpreadToTheEdgeOfABlade) {
-  const detail::SideConstants constants;
   const Blade clean(0), noisy(0.1);
   for (const Blade* blade : {&clean, &noisy}) {
     Normals normals = blade->normalsOfCells(6);
     ASSERT_GT(blade->wrongBeyond(2, normals), 150u);
-    detail::settleSides(blade->store, {}, constants, 1, normals);
+    detail::settleSides(blade->store, {}, 1, normals);
     EXPECT_LE(blade->wrongBeyond(2, normals), 2u);
   }
 }
 
 TEST(SettleSides, AnyNumberOfThreadsGivesTheSame) {
-  const detail::SideConstants constants;
   const Blade blade(0.1);
   Normals one = blade.normalsOfCells(6), three = one;
-  detail::settleSides(blade.store, {}, constants, 1, one);
-  detail::settleSides(blade.store, {}, constants, 3, three);
+  detail::settleSides(blade.store, {}, 1, one);
+  detail::settleSides(blade.store, {}, 3, three);
   EXPECT_EQ(one, three);
 }
 
 TEST(SettleSides, RightSidesStayAndPointsWithoutASideGetNone) {
-  const detail::SideConstants constants;
   const Blade blade(0);
   Normals normals = blade.normalsOfCells(0);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (blade.fromEdge(i) > 40) normals[i] = {0, 0, 0};
   }
   const Normals before = normals;
-  detail::settleSides(blade.store, {}, constants, 1, normals);
+  detail::settleSides(blade.store, {}, 1, normals);
   EXPECT_LT(greatestAngle(normals, before), 1e-3);
 }
 
@@ -134,7 +131,7 @@ TEST(SettleSides, NormalsAcrossThoseOfTheirNeighboursAreStraightened) {
     const double angle = std::uniform_real_distribution<double>(0, 2 * M_PI)(rng);
     normals[i] = {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0};
   }
-  detail::settleSides(plates.store, {}, detail::SideConstants(), 1, normals);
+  detail::settleSides(plates.store, {}, 1, normals);
   EXPECT_LT(greatestAngle(normals, plates.outward), 0.15);
 }
 
@@ -149,7 +146,7 @@ TEST(SettleSides, PointsHaveTheNormalsOfTheirNeighboursOnTheSheet) {
     for (std::size_t a = 0; a < 3; ++a) n[a] = tilted[a] / size;
   }
   ASSERT_GT(greatestAngle(normals, plates.outward), 0.5);
-  detail::settleSides(plates.store, {}, detail::SideConstants(), 1, normals);
+  detail::settleSides(plates.store, {}, 1, normals);
   EXPECT_LT(greatestAngle(normals, plates.outward), 0.15);
 }
 
@@ -171,7 +168,7 @@ TEST(SettleSides, NormalsOfATubeAreNotStraightened) {
         {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0});
   }
   Normals normals = outward;
-  detail::settleSides(store, {}, detail::SideConstants(), 1, normals);
+  detail::settleSides(store, {}, 1, normals);
   EXPECT_LT(greatestAngle(normals, outward), 0.5);
 }
 

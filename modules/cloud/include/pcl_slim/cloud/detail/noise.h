@@ -59,10 +59,6 @@ struct NoiseConstants {
   /// grows like the eighth power of the radius.
   double bias_growth = 16.0;
 
-  std::size_t paper_samples = 1000;  ///< number of neighbourhoods of the paper's estimate
-  std::size_t paper_neighbors = 10;  ///< neighbours of each, without the sample
-  double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
-
   /// Least ratio of a local noise variance to the cloud's. Its inverse is the largest.
   float least_ratio = 0.05f;
 
@@ -133,8 +129,7 @@ PCL_SLIM_EXPORT StepNoise measureSteps(const PointStore& store, const NoiseConst
 
 /** \brief Measures noise by NoiseEstimator::kMinEigenvalue10. \return an empty level for stores
  * of fewer than 12 points. */
-PCL_SLIM_EXPORT NoiseLevel measurePaperNoise(const PointStore& store,
-                                             const NoiseConstants& constants, int threads);
+PCL_SLIM_EXPORT NoiseLevel measurePaperNoise(const PointStore& store, int threads);
 
 /** \brief noiseProfile() over patches of a level's size. \return empty for a size of 0. */
 PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,

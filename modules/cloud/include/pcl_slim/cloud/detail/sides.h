@@ -12,7 +12,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Search for the two sides of thin parts before a fit (docs/theory.md, "Sides before the
+/** \brief Cells, and the two sheets of cells or of a patch (docs/theory.md, "Sides before the
  * cover").
  *
  * The confidence of sides is the share of the agreement of neighbouring cells that they satisfy;
@@ -20,85 +20,24 @@ namespace pcl_slim::detail {
 struct SideConstants {
   static constexpr std::size_t kMostNeighbors = 36;  ///< largest number of cells that give a normal
 
-  // Cells, and sheets of cells or of a patch.
   double cell_noise = 1.5;          ///< width of a cell [sqrt(lambda)]
   std::size_t edge_neighbors = 12;  ///< nearest cells that a cell has edges to
+  int passes = 4;                   ///< iterations of two-means on heights
   /// Least distance of the means of two sheets [standard deviation within the sheets].
   double sheet_distance = 4.0;
   double least_side = 0.15;  ///< least share of the points on the smaller of two sheets
   /// Residuals of a cubic are those of two sheets if their excess kurtosis is below minus this, by
   /// more than chance.
-  double flatter = 0.4;
+  double two_sheet_kurtosis = 0.4;
   double rod = 0.2;  ///< largest variance of a rod across its axis [variance along it]
   /// Least ratio of a rod's two variances across its axis. That of a strip is less.
   double round_rod = 0.2;
-
-  // Whether sides are sought. Shares are those of the places examined.
-  double least_thin = 0.07;  ///< least share of thin places, from full_noise on
-  double clean_thin = 0.35;  ///< least share of thin places, up to clean_noise; linear between
-  double clean_noise = 0.4;  ///< largest noise of a clean cloud [spacings]
-  double full_noise = 0.45;  ///< least noise of a noisy cloud [spacings]
-  /// Least share of thin and facing places together from which sides are sought. The noise without
-  /// sides then decides whether the cloud is clean, and both kinds of places bound the doubt.
-  double least_facing = 0.4;
-  /// Least share of places of all kinds from which points near them get sides, where sides of all
-  /// points are not sought.
-  double few_thin = 0.04;
-
-  // Test of a large cloud by some of its few thin places.
-  std::size_t probe_places = 16;    ///< number of places
-  std::size_t probe_points = 1000;  ///< number of points around each
-  std::size_t probe_part = 4;       ///< a large cloud has more points than this times all of these
-  double probe_sure = 0.2;  ///< least share of the edges between sheets in parts with certain sides
-
-  // Points moved to local planes where sides are in doubt.
-  double plane = 10;       ///< neighbours of a plane for a noise variance of one squared spacing
-  double most_plane = 48;  ///< largest number of neighbours of a plane
-  std::size_t least_plane = 16;  ///< points do not move where planes have fewer neighbours
-  double plane_sides = 0.85;     ///< confidence from which a plane has points of one side only
-  double feet_noise = 0.7;       ///< least noise of the moved points [noise before]
-
-  // Factor of lambda where sides are in doubt and parts are few spacings thick: (followed * gap)^2
-  // over lambda, with an exponent that is linear in the gap and in the confidence.
-  double followed = 0.1;     ///< distance of leaves from the points [median gap of two sheets]
-  double near_gap = 4;       ///< largest gap with the exponent 1 [spacings]
-  double far_gap = 6;        ///< least gap with the exponent 0 [spacings]
-  double more_doubt = 0.88;  ///< largest confidence with the exponent 1
-  double less_doubt = 0.93;  ///< least confidence with the exponent 0
-
-  // Whether sides are kept.
-  /// Least confidence of the signs of all cells where few places get sides. Below it none do.
-  double outward = 0.95;
-  double part = 0.25;   ///< least share of the points that face apart [share of thin places]
-  double doubt = 0.45;  ///< largest doubt [share of thin places]
-  /// Correlation of the noise [points] below which last_doubt applies. Noise that more points share
-  /// makes terraces, which look like sheets.
-  double terraces = 3;
-  double last_doubt = 0.3;  ///< largest doubt in a noisy cloud where no width of cells gives sides
-  double clean_doubt = 0.03;  ///< largest doubt in a clean cloud
-  /// Largest factor of the doubt from wider to narrower cells that find the same noise.
-  double much_doubt = 4;
-  double same_noise = 0.75;  ///< least ratio of two noises that count as the same
-  double sure = 0.95;        ///< confidence from which narrower cells are not tried
-
-  // Noise that sets the width of the cells.
-  int noise_passes = 5;         ///< largest number of widths
-  double least_noise = 0.05;    ///< least upper bound of the noise that sides give a fit [spacings]
-  double least_cells = 1.0;     ///< least noise that sets the width [spacings]
-  double doubtful_cells = 0.8;  ///< the same for a last width where sides are in doubt [spacings]
-
-  // Sides of points.
   /// Least cosine of a point's beam and its cell's normal from which the beam decides the side.
   double clear_beam = 0.2;
-  int passes = 4;                   ///< iterations of two-means on heights
-  std::size_t settled_points = 32;  ///< nearest points that decide which sheet a point is on
-  int settle_rounds = 30;           ///< largest number of rounds of these decisions
-  /// Mean squared cosine to the neighbours' normals below which a point's normal is replaced by
-  /// their common direction.
-  double least_alignment = 0.5;
-  /// Share of the squares of the neighbours' normals along one direction from which it is common.
-  double common_direction = 0.6;
 };
+
+/// Least |flux| of a part that has an inside [its upper bound].
+constexpr double kLeastFlux = 0.1;
 
 /** \brief Which points get sides. */
 enum class SideScope {
@@ -164,8 +103,7 @@ PCL_SLIM_EXPORT ThinPlaces findThinPlaces(const PointStore& store, const SideCon
  * \param[in] on_rods stored points whose normals do not change, as Sides::on_rods; empty: none
  * \param[in,out] normals of the stored points; points of normal 0 have no side and do not count */
 PCL_SLIM_EXPORT void settleSides(const PointStore& store, const std::vector<char>& on_rods,
-                                 const SideConstants& constants, int threads,
-                                 std::vector<std::array<float, 3>>& normals);
+                                 int threads, std::vector<std::array<float, 3>>& normals);
 
 /** \brief Projects every stored point onto the least-squares plane of its k nearest points, itself
  * included. Where the store has sides, points of the other side are left out.
