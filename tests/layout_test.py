@@ -20,21 +20,22 @@ MOST_LINES_IN_FILE = 600
 MOST_LINES_IN_FUNCTION = 60
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "stream", "mpi", "query", "features", "mesh", "splat",
+MODULES = ("core", "cloud", "leaf", "surface", "fit", "stream", "mpi", "query", "features", "mesh", "splat",
            "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
-    "surface": ("core",),
-    "fit": ("core", "cloud", "surface"),
+    "leaf": ("core",),
+    "surface": ("core", "leaf"),
+    "fit": ("core", "cloud", "leaf", "surface"),
     "stream": ("core", "cloud", "surface", "fit"),
     "mpi": ("core", "stream"),
-    "query": ("core", "cloud", "surface"),
+    "query": ("core", "cloud", "leaf", "surface"),
     "features": ("core", "cloud", "surface", "query"),
     "mesh": ("core", "cloud", "surface", "fit", "query"),
     "splat": ("core", "cloud"),
-    "render": ("core", "cloud", "surface", "query", "splat"),
-    "web": ("core", "cloud", "surface", "query", "splat", "render"),
+    "render": ("core", "cloud", "leaf", "surface", "query", "splat"),
+    "web": ("core", "cloud", "leaf", "surface", "query", "splat", "render"),
     "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),

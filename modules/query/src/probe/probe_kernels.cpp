@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "pcl_slim/query/detail/color_rules.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
 
 #undef HWY_TARGET_INCLUDE

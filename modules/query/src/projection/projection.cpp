@@ -9,6 +9,7 @@
 
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
@@ -98,8 +99,6 @@ namespace {
 
 /** \brief Weighted means of a block's points, in plain loops; undefined where nothing was added. */
 struct BlockMeans {
-  static constexpr double kLeastGradient = 1e-6;  ///< a shorter blended gradient has no direction
-
   double offset[16], gradient[3][16], length[16];
   float unit[3][16];
 
@@ -277,13 +276,7 @@ class BlockProjector {
   bool sides_may_be_wrong_;  ///< sides were found: where no leaf is of a point's side, all count
 };
 
-// theory.md, "Guards", Projection: which leaves count at a point.
-constexpr double kErrors = 5.0;  ///< [e] the largest residual and the largest offset that count
-constexpr double kOffsetShare = 0.25;  ///< [r] the largest offset that counts, ...
-constexpr double kNoiseShare = 0.6;    ///< ... or, where noise explains more, at most this
-constexpr double kRounding = 1e-5;     ///< [r] added to the largest residual, for exact fits
-constexpr float kSharpDot =
-    0.5f;  ///< least cosine of a point's and a leaf's normal, sharp features
+constexpr double kRounding = 1e-5;  ///< [r] added to the largest residual, for exact fits
 
 BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surface,
                                const std::vector<std::uint32_t>& leaves,
@@ -302,7 +295,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
   rules_.guarded = !params.paper_mode;
   rules_.with_hessian = params.curvature || with_directions_;
   rules_.with_third = params.extremality;
-  if (by_normals_) min_dot_ = params.sharp_features ? kSharpDot : normalBound(store);
+  if (by_normals_) min_dot_ = params.sharp_features ? kSharpCosine : normalBound(store);
   placed_.resize(leaves.size());
   parallelFor(leaves.size(), threads, 1024,
               [&](std::size_t j, int) { placed_[j] = placed(leaves[j]); });
@@ -318,10 +311,9 @@ BlockProjector::PlacedLeaf BlockProjector::placed(std::uint32_t i) const {
     leaf.w[a] = static_cast<float>(frame.w[a]);
   }
   leaf.radius = placement_.radius(surface_, i);
-  const double residual = kErrors * surface_.error[i] / surface_.radius[i] + kRounding;
+  const double residual = kErrorGate * surface_.error[i] / surface_.radius[i] + kRounding;
   leaf.max_residual = static_cast<float>(residual);
-  const double noise = std::min(kErrors * noise_ / surface_.radius[i], kNoiseShare);
-  leaf.max_offset = static_cast<float>(std::min(residual, std::max(kOffsetShare, noise)));
+  leaf.max_offset = static_cast<float>(offsetGate(residual, noise_, surface_.radius[i]));
   if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
   leaf.degree = surface_.degree[i];
@@ -394,7 +386,7 @@ bool BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch
 void BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
                            const BlockMeans& means, Projection& result) const {
   auto position = store_.position(i);
-  if (sums.weight[lane] > 0 && means.length[lane] > BlockMeans::kLeastGradient) {
+  if (sums.weight[lane] > 0 && means.length[lane] > kLeastGradient) {
     for (int a = 0; a < 3; ++a) {
       position[a] += means.offset[lane] * sums.direction[a][lane];
       result.normal[i][a] = means.unit[a][lane];
