@@ -31,26 +31,25 @@ struct SheetFeet {
 template <int D>
 HWY_INLINE SheetFeet feetOf(const BlockPoints& points, const BlockLeaf& leaf,
                             const SheetRules& rules, const LeafFrame& frame,
-                            const HeightJets<D>& jets, std::size_t i) {
+                            const LeafCoefficients<D>& c, std::size_t i) {
   const Tag d;
   SheetFeet feet;
   const Local p = frame.place(points, i);
   feet.near = p.lengthSq() < set(rules.reach_sq);
   if (AllFalse(d, feet.near)) return feet;
-  Vec h, hu, hv;
-  jets.gradient(p.u, p.v, h, hu, hv);
-  const Vec slope_sq = MulAdd(hu, hu, MulAdd(hv, hv, set(1.0f)));
+  const Slopes<Vec> h = slopesOf<D>(c, p.u, p.v);
+  const Vec slope_sq = MulAdd(h.u, h.u, MulAdd(h.v, h.v, set(1.0f)));
   const Vec inverse = set(1.0f) / Sqrt(slope_sq);
-  const Vec f = p.w - h;
+  const Vec f = p.w - h.h;
   feet.distance = f * inverse;
   const Vec t = feet.distance * inverse;
-  const Local foot = {MulAdd(t, hu, p.u), MulAdd(t, hv, p.v), p.w - t};
+  const Local foot = {MulAdd(t, h.u, p.u), MulAdd(t, h.v, p.v), p.w - t};
   const Vec s_sq = foot.lengthSq();
   feet.near = And(feet.near, s_sq < set(1.0f));
   feet.near = And(feet.near, Abs(feet.distance) <= set(rules.most_distance));
   feet.weight =
       IfThenElseZero(feet.near, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
-  const Local n = {Neg(hu * inverse), Neg(hv * inverse), inverse};
+  const Local n = {Neg(h.u * inverse), Neg(h.v * inverse), inverse};
   for (int a = 0; a < 3; ++a) feet.normal[a] = frame.back(a, n);
   return feet;
 }
@@ -60,10 +59,10 @@ void findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetR
                   BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const float soft = rules.softening * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, c, i);
     if (AllFalse(d, feet.near)) continue;
     const Vec distance = feet.distance * set(leaf.radius);
     const Vec score = feet.weight / MulAdd(distance, distance, set(soft * soft + 1e-30f));
@@ -83,10 +82,10 @@ void addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRu
                  BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const float most = rules.same_sheet * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, c, i);
     Mask near = And(feet.near, Load(d, sheets.score + i) > Zero(d));
     if (AllFalse(d, near)) continue;
     const Vec cosine =
@@ -122,15 +121,14 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const ColorPolynomial color = decodeColor(leaf.color);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = frame.place(points, i);
     const Vec s_sq = p.lengthSq();
     const Mask near = s_sq < set(1.0f);
     if (AllFalse(d, near)) continue;
-    Vec h, hu, hv;
-    jets.gradient(p.u, p.v, h, hu, hv);
+    const Vec h = slopesOf<D>(c, p.u, p.v).h;
     Mask own = And(near, Abs(p.w - h) <= set(kColorGate));
     if (points.nx) {
       const Vec cosine =
@@ -142,12 +140,12 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
     const Vec weight = share * set(leaf.variance_weight) * kernelWeight<K>(s_sq);
     const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     addTo(colors.weight + i, near, weight);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][c]); };
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][channel]); };
       const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));
       const Vec value = MulAdd(term(3), uu, MulAdd(term(4), uv, MulAdd(term(5), vv, slope)));
       const Vec weighted = weight * Min(Max(value, Zero(d)), set(255.0f));
-      addTo(colors.sum[c] + i, near, weighted);
+      addTo(colors.sum[channel] + i, near, weighted);
     }
   }
 }
@@ -158,10 +156,6 @@ void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRule
     forKernel(rules.kernel,
               [&](auto kernel) HWY_ATTR { addColorsOf<degree(), kernel()>(points, leaf, colors); });
   });
-}
-
-HWY_INLINE Triple<Vec> sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b) {
-  return {MulAdd(s, a.x, t * b.x), MulAdd(s, a.y, t * b.y), MulAdd(s, a.z, t * b.z)};
 }
 
 HWY_INLINE Triple<Vec> load(const float (&columns)[3][16], std::size_t i) {
@@ -221,8 +215,8 @@ void findPrincipals(const BlockSums& sums, BlockPrincipals& principals) {
     store(n, principals.normal, i);
     Store((mean + spread) * per_length, d, principals.k1 + i);
     Store((mean - spread) * per_length, d, principals.k2 + i);
-    store(sum(cosine, u, sine, v), principals.direction1, i);
-    store(sum(Neg(sine), u, cosine, v), principals.direction2, i);
+    store(combined(cosine, u, sine, v), principals.direction1, i);
+    store(combined(Neg(sine), u, cosine, v), principals.direction2, i);
   }
 }
 

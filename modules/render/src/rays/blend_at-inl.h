@@ -8,6 +8,7 @@
 #define PCL_SLIM_BLEND_AT_INL
 #endif
 
+#include "pcl_slim/leaf/detail/height-inl.h"
 #include "pcl_slim/query/detail/ray_surfel.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "rays/leaf_lines-inl.h"
@@ -153,20 +154,21 @@ struct BlendContext {
 template <int D>
 HWY_INLINE void addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v,
                                Vec weight, bool with_hessian, LaneSums& sums) {
-  const LaneJets<D> jet(block, u, v);
+  const Slopes<Vec> h = slopesOf<D>(block, u, v);
   const Vec fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
             fw[3] = {frame.w.x, frame.w.y, frame.w.z};
   for (int a = 0; a < 3; ++a) {
-    const Vec g = NegMulAdd(jet.hu, fu[a], NegMulAdd(jet.hv, fv[a], fw[a]));
+    const Vec g = NegMulAdd(h.u, fu[a], NegMulAdd(h.v, fv[a], fw[a]));
     sums.gradient[a] = MulAdd(weight, g, sums.gradient[a]);
   }
   if (!with_hessian) return;
+  const SecondDerivatives<Vec> bend = secondDerivatives<D>(block, u, v);
   const Vec scale = Neg(weight * block.column(kBlockInverseRadius));
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i; j < 3; ++j) {
       const Vec mixed = MulAdd(fu[i], fv[j], fv[i] * fu[j]);
       const Vec entry =
-          MulAdd(jet.huu * fu[i], fu[j], MulAdd(jet.huv, mixed, jet.hvv * fv[i] * fv[j]));
+          MulAdd(bend.uu * fu[i], fu[j], MulAdd(bend.uv, mixed, bend.vv * fv[i] * fv[j]));
       Vec& sum = sums.hessian[kSymmetricEntry[i][j]];
       sum = MulAdd(scale, entry, sum);
     }

@@ -38,18 +38,16 @@ HWY_INLINE unsigned bitsOf(Mask mask) {
 
 using Triad = Triple<Vec>;
 
-/** p + s d. */
-HWY_INLINE Triad pointAt(const Triad& p, Vec s, const Triad& d) {
-  return {MulAdd(s, d.x, p.x), MulAdd(s, d.y, p.y), MulAdd(s, d.z, p.z)};
-}
-
 /** Vec k, k + 1, ... of a block. */
 struct BlockLanes {
   const float* columns;
   std::size_t k;
 
   HWY_INLINE Vec column(std::size_t c) const { return Load(Tag(), columns + c * kWide + k); }
-  HWY_INLINE Vec coefficient(std::size_t c) const { return column(kBlockCoefficients + c); }
+  /** Coefficient i of the leaves' polynomials. */
+  HWY_INLINE Vec operator()(int i) const {
+    return column(kBlockCoefficients + static_cast<std::size_t>(i));
+  }
 
   /** The leaves' frames. */
   HWY_INLINE FrameLanes<Vec> frames() const {
@@ -73,8 +71,8 @@ struct LeafLines {
 
   LeafLines(const BlockLanes& block, const FrameLanes<Vec>& frame, const Triad& p, const Triad& d)
       : u(dot3(p, frame.u)), v(dot3(p, frame.v)), du(dot3(d, frame.u)), dv(dot3(d, frame.v)) {
-    const Vec c1 = block.coefficient(1), c2 = block.coefficient(2);
-    a[0] = MulAdd(c1, u, MulAdd(c2, v, block.coefficient(0)));
+    const Vec c1 = block(1), c2 = block(2);
+    a[0] = MulAdd(c1, u, MulAdd(c2, v, block(0)));
     a[1] = MulAdd(c1, du, c2 * dv);
     addQuadratic(block);
     a[3] = a[4] = Zero(Tag());
@@ -103,7 +101,7 @@ struct LeafLines {
   static HWY_INLINE Vec both(Vec x, Vec u, Vec y, Vec v) { return MulAdd(x, u, y * v); }
 
   HWY_INLINE void addQuadratic(const BlockLanes& block) {
-    const Vec c0 = block.coefficient(3), c1 = block.coefficient(4), c2 = block.coefficient(5);
+    const Vec c0 = block(3), c1 = block(4), c2 = block(5);
     const Vec gu = both(c0 + c0, u, c1, v), gv = both(c1, u, c2 + c2, v);
     a[0] = MulAdd(set(0.5f), both(gu, u, gv, v), a[0]);
     a[1] += both(gu, du, gv, dv);
@@ -112,7 +110,7 @@ struct LeafLines {
 
   HWY_INLINE void addCubic(const BlockLanes& block) {
     Vec c[4];
-    for (std::size_t i = 0; i < 4; ++i) c[i] = block.coefficient(6 + i);
+    for (std::size_t i = 0; i < 4; ++i) c[i] = block(static_cast<int>(6 + i));
     const Vec two = set(2.0f), three = set(3.0f);
     const auto gradient_u = [&](Vec x, Vec y) HWY_ATTR {
       return MulAdd(MulAdd(three * c[0], x, two * c[1] * y), x, c[2] * (y * y));
@@ -131,7 +129,7 @@ struct LeafLines {
 
   HWY_INLINE void addQuartic(const BlockLanes& block) {
     Vec c[5];
-    for (std::size_t i = 0; i < 5; ++i) c[i] = block.coefficient(10 + i);
+    for (std::size_t i = 0; i < 5; ++i) c[i] = block(static_cast<int>(10 + i));
     const auto times = [](float f, Vec x) HWY_ATTR { return set(f) * x; };
     const auto gradient_u = [&](Vec x, Vec y) HWY_ATTR {
       const Vec xx = x * x, yy = y * y;
@@ -176,49 +174,6 @@ struct QuadraticRootLanes {
     one = a[0] / q;
     other = q / a[2];
     one_falls = a[1] < zero;
-  }
-};
-
-/** Slopes and bends of the height polynomials at (u, v). */
-template <int D>
-struct LaneJets {
-  Vec hu, hv, huu, huv, hvv;
-
-  LaneJets(const BlockLanes& block, Vec u, Vec v) {
-    // Slopes of each power of u, from the highest degree down to 2, added to the linear terms.
-    const Vec two = set(2.0f);
-    const auto c = [&](std::size_t i) HWY_ATTR { return block.coefficient(i); };
-    huu = two * c(3);
-    huv = c(4);
-    hvv = two * c(5);
-    hu = MulAdd(huu, u, MulAdd(huv, v, c(1)));
-    hv = MulAdd(huv, u, MulAdd(hvv, v, c(2)));
-    if constexpr (D >= 3) addForm<3, 6>(block, u, v);
-    if constexpr (D >= 4) addForm<4, 10>(block, u, v);
-  }
-
- private:
-  /** Adds the derivatives of the form of degree N whose coefficients begin at First. */
-  template <int N, int First>
-  HWY_INLINE void addForm(const BlockLanes& block, Vec u, Vec v) {
-    Vec pu[N], pv[N];
-    pu[0] = pv[0] = set(1.0f);
-    for (int i = 1; i < N; ++i) {
-      pu[i] = pu[i - 1] * u;
-      pv[i] = pv[i - 1] * v;
-    }
-    unrolled<N + 1>([&](auto step) HWY_ATTR {
-      constexpr int kJ = step(), kI = N - kJ;
-      const Vec c = block.coefficient(static_cast<std::size_t>(First + kJ));
-      const auto term = [&](int factor, int i, int j) HWY_ATTR {
-        return set(static_cast<float>(factor)) * c * (pu[i] * pv[j]);
-      };
-      if constexpr (kI >= 1) hu += term(kI, kI - 1, kJ < N ? kJ : 0);
-      if constexpr (kJ >= 1) hv += term(kJ, kI < N ? kI : 0, kJ - 1);
-      if constexpr (kI >= 2) huu += term(kI * (kI - 1), kI - 2, kJ);
-      if constexpr (kI >= 1 && kJ >= 1) huv += term(kI * kJ, kI - 1, kJ - 1);
-      if constexpr (kJ >= 2) hvv += term(kJ * (kJ - 1), kI, kJ - 2);
-    });
   }
 };
 
