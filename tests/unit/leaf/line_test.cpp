@@ -3,6 +3,7 @@
 
 #include <array>
 #include <random>
+#include <type_traits>
 
 #include "hwy/highway.h"
 #include "pcl_slim/leaf/detail/line-inl.h"

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "hwy/highway.h"
 
@@ -52,14 +51,23 @@ HWY_INLINE double IfThenElseZero(bool mask, double a) {
   return mask ? a : 0.0;
 }
 
+/** Names a type of numbers, for number(); others than vectors and double have an overload of
+ * numberOf() in their own namespace. */
+template <class V>
+struct NumberType {};
+
+template <class V>
+HWY_INLINE V numberOf(NumberType<V>, double value) {
+  return Set(hn::DFromV<V>(), static_cast<float>(value));
+}
+HWY_INLINE double numberOf(NumberType<double>, double value) {
+  return value;
+}
+
 /** The same number in every lane. */
 template <class V>
 HWY_INLINE V number(double value) {
-  if constexpr (std::is_same_v<V, double>) {
-    return value;
-  } else {
-    return Set(hn::DFromV<V>(), static_cast<float>(value));
-  }
+  return numberOf(NumberType<V>(), value);
 }
 
 template <class V>
