@@ -20,22 +20,23 @@ MOST_LINES_IN_FILE = 600
 MOST_LINES_IN_FUNCTION = 60
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "stream", "mpi", "query", "features", "scan", "mesh",
+MODULES = ("core", "cloud", "leaf", "surface", "fit", "stream", "mpi", "query", "features", "scan", "mesh",
            "splat", "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
-    "surface": ("core",),
-    "fit": ("core", "cloud", "surface"),
+    "leaf": ("core",),
+    "surface": ("core", "leaf"),
+    "fit": ("core", "cloud", "leaf", "surface"),
     "stream": ("core", "cloud", "surface", "fit"),
     "mpi": ("core", "stream"),
-    "query": ("core", "cloud", "surface"),
+    "query": ("core", "cloud", "leaf", "surface"),
     "features": ("core", "cloud", "surface", "query"),
     "scan": ("core", "cloud", "surface", "fit", "query", "features"),
     "mesh": ("core", "cloud", "surface", "fit", "query", "scan"),
     "splat": ("core", "cloud"),
-    "render": ("core", "cloud", "surface", "query", "splat"),
-    "web": ("core", "cloud", "surface", "query", "splat", "render"),
+    "render": ("core", "cloud", "leaf", "surface", "query", "splat"),
+    "web": ("core", "cloud", "leaf", "surface", "query", "splat", "render"),
     "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),

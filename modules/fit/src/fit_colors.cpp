@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "fit_constants.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
 #include "scan/ball_kernels.h"
 
@@ -142,10 +142,9 @@ using detail::ColorColumns;
 using detail::ColorSums;
 
 constexpr std::size_t kMostPoints = 4096;  ///< of a ball: more would not change six coefficients
-constexpr float kLeastGate =
-    0.1f;  ///< of the radius: points farther from the surfel's polynomial ...
-/// ... and than this many residuals are of other sheets
-constexpr auto kGateErrors = static_cast<float>(detail::CoverConstants().residual_bound);
+/// Points farther from the surfel's polynomial are of other sheets.
+constexpr auto kLeastGate = static_cast<float>(detail::kLeastErrorGate);  ///< of the radius
+constexpr auto kGateErrors = static_cast<float>(detail::kErrorGate);      ///< residuals
 constexpr std::uint8_t kGrey = 128;      ///< of surfels without any point
 constexpr std::size_t kSlice = 1 << 14;  ///< points that a thread takes at a time
 

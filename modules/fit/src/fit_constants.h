@@ -6,6 +6,7 @@
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/leaf/detail/gates.h"
 
 namespace pcl_slim::detail {
 
@@ -26,7 +27,7 @@ struct PresetConstants {
   double lack_of_fit_with_t = 10.0;  ///< the same where T is given
   double thick = 5.0;                ///< balls below this many sqrt(lambda) are noise-filled
   double thick_with_t = 4.0;         ///< the same where T is given
-  float sharp_bound = 0.5f;          ///< the normal bound with sharp features [cosine]
+  float sharp_bound = kSharpCosine;  ///< the normal bound with sharp features [cosine]
 };
 
 /** \brief Two sheets in one ball (docs/theory.md, "Sheets"). */
@@ -76,8 +77,8 @@ struct CoverConstants {
   double alpha = 2.0 / 3.0;         ///< a leaf covers within alpha r: the paper's
   double supported_alpha = 0.55;    ///< alpha of well supported leaves ...
   double well_supported = 16.0;     ///< ... which are those of more n_eff per coefficient
-  double residual_bound = 5.0;      ///< a leaf covers points within this many e of it
-  double residual_floor = 1e-6;     ///< [r] added to that, for the rounding of exact fits
+  double residual_bound = kErrorGate;  ///< a leaf covers points within this many e of it
+  double residual_floor = 1e-6;        ///< [r] added to that, for the rounding of exact fits
 };
 
 /** \brief The search for sides before the cover (docs/theory.md, paragraph of that name): what can

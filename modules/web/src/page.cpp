@@ -9,7 +9,7 @@
 
 #include "page_columns.h"
 #include "pcl_slim/core/base64.h"
-#include "pcl_slim/query/detail/color_rules.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/surface_renderer.h"

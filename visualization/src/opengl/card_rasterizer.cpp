@@ -20,8 +20,6 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr int kMostPeels = 8;  ///< as the CPU lets rays pass
-
 float single(double x) {
   return static_cast<float>(x);
 }
@@ -208,7 +206,7 @@ Error CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t
   clear(0, pass.values.near_depth);
   targets_.clearDepth(1.0f);
   std::uint64_t left = 1;
-  for (int i = 0; i < kMostPeels && left > 0; ++i) {
+  for (int i = 0; i < kMaxLayers && left > 0; ++i) {
     const int from = i % 2;
     if (Error error = findFirst(pass, from)) return error;
     if (Error error = blend(pass)) return error;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opengl/card_rasterizer.h"
-#include "pcl_slim/query/detail/color_rules.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 
 namespace pcl_slim::detail {

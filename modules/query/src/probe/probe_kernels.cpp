@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "pcl_slim/query/detail/color_rules.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +14,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "pcl_slim/leaf/detail/level_set-inl.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "projection/leaf_frame-inl.h"
 
@@ -31,26 +32,25 @@ struct SheetFeet {
 template <int D>
 HWY_INLINE SheetFeet feetOf(const BlockPoints& points, const BlockLeaf& leaf,
                             const SheetRules& rules, const LeafFrame& frame,
-                            const HeightJets<D>& jets, std::size_t i) {
+                            const LeafCoefficients<D>& c, std::size_t i) {
   const Tag d;
   SheetFeet feet;
   const Local p = frame.place(points, i);
   feet.near = p.lengthSq() < set(rules.reach_sq);
   if (AllFalse(d, feet.near)) return feet;
-  Vec h, hu, hv;
-  jets.gradient(p.u, p.v, h, hu, hv);
-  const Vec slope_sq = MulAdd(hu, hu, MulAdd(hv, hv, set(1.0f)));
+  const Slopes<Vec> h = slopesOf<D>(c, p.u, p.v);
+  const Vec slope_sq = MulAdd(h.u, h.u, MulAdd(h.v, h.v, set(1.0f)));
   const Vec inverse = set(1.0f) / Sqrt(slope_sq);
-  const Vec f = p.w - h;
+  const Vec f = p.w - h.h;
   feet.distance = f * inverse;
   const Vec t = feet.distance * inverse;
-  const Local foot = {MulAdd(t, hu, p.u), MulAdd(t, hv, p.v), p.w - t};
+  const Local foot = {MulAdd(t, h.u, p.u), MulAdd(t, h.v, p.v), p.w - t};
   const Vec s_sq = foot.lengthSq();
   feet.near = And(feet.near, s_sq < set(1.0f));
   feet.near = And(feet.near, Abs(feet.distance) <= set(rules.most_distance));
   feet.weight =
       IfThenElseZero(feet.near, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
-  const Local n = {Neg(hu * inverse), Neg(hv * inverse), inverse};
+  const Local n = {Neg(h.u * inverse), Neg(h.v * inverse), inverse};
   for (int a = 0; a < 3; ++a) feet.normal[a] = frame.back(a, n);
   return feet;
 }
@@ -60,10 +60,10 @@ void findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetR
                   BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const float soft = rules.softening * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, c, i);
     if (AllFalse(d, feet.near)) continue;
     const Vec distance = feet.distance * set(leaf.radius);
     const Vec score = feet.weight / MulAdd(distance, distance, set(soft * soft + 1e-30f));
@@ -83,10 +83,10 @@ void addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRu
                  BlockSheets& sheets) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const float most = rules.same_sheet * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, c, i);
     Mask near = And(feet.near, Load(d, sheets.score + i) > Zero(d));
     if (AllFalse(d, near)) continue;
     const Vec cosine =
@@ -122,15 +122,14 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   const ColorPolynomial color = decodeColor(leaf.color);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = frame.place(points, i);
     const Vec s_sq = p.lengthSq();
     const Mask near = s_sq < set(1.0f);
     if (AllFalse(d, near)) continue;
-    Vec h, hu, hv;
-    jets.gradient(p.u, p.v, h, hu, hv);
+    const Vec h = slopesOf<D>(c, p.u, p.v).h;
     Mask own = And(near, Abs(p.w - h) <= set(kColorGate));
     if (points.nx) {
       const Vec cosine =
@@ -142,12 +141,12 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
     const Vec weight = share * set(leaf.variance_weight) * kernelWeight<K>(s_sq);
     const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     addTo(colors.weight + i, near, weight);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][c]); };
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][channel]); };
       const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));
       const Vec value = MulAdd(term(3), uu, MulAdd(term(4), uv, MulAdd(term(5), vv, slope)));
       const Vec weighted = weight * Min(Max(value, Zero(d)), set(255.0f));
-      addTo(colors.sum[c] + i, near, weighted);
+      addTo(colors.sum[channel] + i, near, weighted);
     }
   }
 }
@@ -158,10 +157,6 @@ void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRule
     forKernel(rules.kernel,
               [&](auto kernel) HWY_ATTR { addColorsOf<degree(), kernel()>(points, leaf, colors); });
   });
-}
-
-HWY_INLINE Triple<Vec> sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b) {
-  return {MulAdd(s, a.x, t * b.x), MulAdd(s, a.y, t * b.y), MulAdd(s, a.z, t * b.z)};
 }
 
 HWY_INLINE Triple<Vec> load(const float (&columns)[3][16], std::size_t i) {
@@ -176,23 +171,9 @@ HWY_INLINE void store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t
   Store(a.z, d, columns[2] + i);
 }
 
-/** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
-HWY_INLINE void halfAngle(Vec x, Vec y, Vec length, Vec& cosine, Vec& sine) {
-  const Tag d;
-  const Vec zero = Zero(d);
-  const Mask behind = x < zero;
-  const Vec c = IfThenElse(behind, Abs(y), length + x);
-  const Vec s = IfThenElse(behind, CopySign(length - x, y), y);
-  const Vec norm = Sqrt(MulAdd(c, c, s * s));
-  const Mask any = norm > zero;
-  const Vec divisor = IfThenElse(any, norm, set(1.0f));
-  cosine = IfThenElse(any, c / divisor, set(1.0f));
-  sine = IfThenElseZero(any, s / divisor);
-}
-
 void findPrincipals(const BlockSums& sums, BlockPrincipals& principals) {
   const Tag d;
-  const Vec one = set(1.0f), half_of = set(0.5f), zero = Zero(d);
+  const Vec one = set(1.0f), zero = Zero(d);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Vec weight = Load(d, sums.weight + i);
     const Vec per_weight = one / IfThenElse(weight > zero, weight, one);
@@ -200,29 +181,15 @@ void findPrincipals(const BlockSums& sums, BlockPrincipals& principals) {
     const Vec g_length = Sqrt(dot3(g, g));
     const Vec per_length = one / IfThenElse(g_length > zero, g_length, one);
     const Triple<Vec> n = {g.x * per_length, g.y * per_length, g.z * per_length};
-    const FrameLanes<Vec> frame(n);
-    const Triple<Vec>&u = frame.u, &v = frame.v;
-    // The shape operator is the Hessian over |g|, restricted to the tangent plane: weights cancel.
-    const auto times = [&](const Triple<Vec>& a) HWY_ATTR {
-      const auto h = [&](int row, int column) HWY_ATTR {
-        return Load(d, sums.hessian[kSymmetricEntry[row][column]] + i);
-      };
-      const auto row = [&](int r)
-                           HWY_ATTR { return dot3(h(r, 0), h(r, 1), h(r, 2), a.x, a.y, a.z); };
-      return Triple<Vec>{row(0), row(1), row(2)};
-    };
-    const Triple<Vec> hu = times(u), hv = times(v);
-    const Vec uu = dot3(u, hu), uv = dot3(u, hv), vv = dot3(v, hv);
-    const Vec mean = half_of * (uu + vv), half = half_of * (uu - vv);
-    const Vec spread = Sqrt(MulAdd(half, half, uv * uv));
-    Vec cosine, sine;
-    halfAngle(half, uv, spread, cosine, sine);
+    // The weights of gradient and Hessian cancel.
+    const auto entry = [&](std::size_t k) HWY_ATTR { return Load(d, sums.hessian[k] + i); };
+    const PrincipalCurvatures<Vec> found(n, per_length, entry);
     Store(g_length * per_weight, d, principals.length + i);
     store(n, principals.normal, i);
-    Store((mean + spread) * per_length, d, principals.k1 + i);
-    Store((mean - spread) * per_length, d, principals.k2 + i);
-    store(sum(cosine, u, sine, v), principals.direction1, i);
-    store(sum(Neg(sine), u, cosine, v), principals.direction2, i);
+    Store(found.k1, d, principals.k1 + i);
+    Store(found.k2, d, principals.k2 + i);
+    store(found.direction1, principals.direction1, i);
+    store(found.direction2, principals.direction2, i);
   }
 }
 

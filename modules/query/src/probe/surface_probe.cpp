@@ -11,6 +11,7 @@
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
 #include "probe/probe.h"
 #include "projection/projection.h"
@@ -152,13 +153,6 @@ void LeafRegion::choose(const Vector3& low, const Vector3& high,
   }
 }
 
-constexpr float kLeastGradient = 1e-6f;  ///< shorter blended gradients have no direction
-constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond this many e do not count
-constexpr double kLeastGate = 0.1;       ///< but those up to this share of r do
-constexpr double kGateRadius = 0.25;
-constexpr double kGateNoise = 0.6;
-constexpr float kSharpDot = 0.5f;  ///< of leaves that a fit with sharp features keeps together
-
 // Distances to sheets.
 constexpr float kMostDistance = 0.6f;  ///< of r: leaves farther from a place do not count
 constexpr double kReach = 1.17;        ///< of r: a place that far from its foot in the ball
@@ -176,10 +170,9 @@ ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
     leaf.w[a] = static_cast<float>(frame.w[a]);
   }
   leaf.radius = surface.radius[i];
-  const double gate = std::max(kLeastGate, kGateErrors * surface.error[i] / surface.radius[i]);
-  const double most = std::min(kGateErrors * noise / surface.radius[i], kGateNoise);
+  const double gate = std::max(kLeastErrorGate, kErrorGate * surface.error[i] / surface.radius[i]);
   leaf.max_residual = static_cast<float>(gate);
-  leaf.max_offset = static_cast<float>(std::min(gate, std::max(kGateRadius, most)));
+  leaf.max_offset = static_cast<float>(offsetGate(gate, noise, surface.radius[i]));
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
   leaf.degree = surface.degree[i];
   leaf.c = surface.coefficientsOf(i);
@@ -202,7 +195,7 @@ struct ProbeIndex::Leaves {
 ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
     : surface_(surface), leaves_(std::make_unique<Leaves>()) {
   const bool extraction = use != ProbeUse::kSamples;
-  if (use == ProbeUse::kSharp) leaves_->min_dot = kSharpDot;
+  if (use == ProbeUse::kSharp) leaves_->min_dot = kSharpCosine;
   if (extraction) {
     leaves_->reach = kReach;
     leaves_->trims = TrimTables(surface);

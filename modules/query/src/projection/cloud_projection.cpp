@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
+#include "pcl_slim/cloud/detail/sides.h"
+
 namespace pcl_slim {
 
 namespace {
-
-constexpr double kClearBeam = 0.2;  ///< cosine from which a point's own beam gives its side
 
 /** Reverses a point's normal and all that depends on its sign. */
 void turn(ProjectedPoint& point) {
@@ -227,10 +227,11 @@ float CloudProjection::side(std::size_t i, const ProjectedPoint& point) const {
       along += ray * point.normal[a];
       range_sq += ray * ray;
     }
+    const double clear_beam = detail::SideConstants().clear_beam;
     // The surface faces the points' sensors as a whole; a grazing beam decides less than the
     // surface.
     const bool own = !params_.viewpoint && cloud_.sensors;
-    if (own && along > -kClearBeam * std::sqrt(range_sq)) along = 0.0;
+    if (own && along > -clear_beam * std::sqrt(range_sq)) along = 0.0;
   }
   return along < 0.0 ? -1.0f : 1.0f;
 }

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <utility>
 
+#include "hwy/highway.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/leaf/detail/gates.h"
+#include "pcl_slim/leaf/detail/level_set-inl.h"
 #include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
@@ -20,52 +23,26 @@ double form(const Vector3& a, const Symmetric3<double>& h, const Vector3& b) {
   return dot(a, multiplied(h, b));
 }
 
-std::array<float, 3> turned(const LocalFrame& frame, double cosine, double sine) {
-  std::array<float, 3> direction;
-  for (std::size_t a = 0; a < 3; ++a) {
-    direction[a] = static_cast<float>(cosine * frame.u[a] + sine * frame.v[a]);
-  }
-  return direction;
-}
-
-/** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
-std::pair<double, double> halfAngle(double x, double y, double length) {
-  double c = length + x, s = y;
-  if (x < 0) c = std::abs(y), s = std::copysign(length - x, y);
-  const double norm = std::sqrt(c * c + s * s);
-  return norm > 0 ? std::make_pair(c / norm, s / norm) : std::make_pair(1.0, 0.0);
+std::array<float, 3> directionOf(const kernels::HWY_NAMESPACE::Triple<double>& d) {
+  return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 
 }  // namespace
 
-std::array<float, 2> meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h) {
-  const double ghg = form(g, h, g);
-  const double length_sq = length * length;
-  const double mean = (h[kXX] + h[kYY] + h[kZZ] - ghg / length_sq) / (2 * length);
-  const Symmetric3<double> adjugate = {
-      h[kYY] * h[kZZ] - h[kYZ] * h[kYZ], h[kXZ] * h[kYZ] - h[kXY] * h[kZZ],
-      h[kXY] * h[kYZ] - h[kXZ] * h[kYY], h[kXX] * h[kZZ] - h[kXZ] * h[kXZ],
-      h[kXY] * h[kXZ] - h[kXX] * h[kYZ], h[kXX] * h[kYY] - h[kXY] * h[kXY]};
-  const double gauss =
-      g[0] * (adjugate[kXX] * g[0] + 2 * adjugate[kXY] * g[1] + 2 * adjugate[kXZ] * g[2]) +
-      g[1] * (adjugate[kYY] * g[1] + 2 * adjugate[kYZ] * g[2]) + adjugate[kZZ] * g[2] * g[2];
-  return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
+std::array<float, 2> meanAndGaussian(const Vector3& g, const Symmetric3<double>& h) {
+  const kernels::HWY_NAMESPACE::LevelSetCurvatures<double> curvature(g.data(), h.data());
+  return {static_cast<float>(curvature.mean), static_cast<float>(curvature.gaussian)};
 }
 
 PrincipalFrame principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h) {
-  // The shape operator is the Hessian over |g|, restricted to the tangent plane: two by two.
-  const LocalFrame frame({g[0] / length, g[1] / length, g[2] / length});
-  const double uu = form(frame.u, h, frame.u) / length;
-  const double uv = form(frame.u, h, frame.v) / length;
-  const double vv = form(frame.v, h, frame.v) / length;
-  const double mean = 0.5 * (uu + vv), half = 0.5 * (uu - vv);
-  const double spread = std::sqrt(half * half + uv * uv);
-  const auto [cosine, sine] = halfAngle(half, uv, spread);
+  const auto entry = [&h](std::size_t i) HWY_ATTR { return h[i]; };
+  const kernels::HWY_NAMESPACE::PrincipalCurvatures<double> found(
+      {g[0] / length, g[1] / length, g[2] / length}, 1.0 / length, entry);
   PrincipalFrame principal;
-  principal.k1 = static_cast<float>(mean + spread);
-  principal.k2 = static_cast<float>(mean - spread);
-  principal.direction1 = turned(frame, cosine, sine);
-  principal.direction2 = turned(frame, -sine, cosine);
+  principal.k1 = static_cast<float>(found.k1);
+  principal.k2 = static_cast<float>(found.k2);
+  principal.direction1 = directionOf(found.direction1);
+  principal.direction2 = directionOf(found.direction2);
   return principal;
 }
 
@@ -98,8 +75,6 @@ namespace {
 
 /** \brief Weighted means of a block's points, in plain loops; undefined where nothing was added. */
 struct BlockMeans {
-  static constexpr double kLeastGradient = 1e-6;  ///< a shorter blended gradient has no direction
-
   double offset[16], gradient[3][16], length[16];
   float unit[3][16];
 
@@ -277,13 +252,7 @@ class BlockProjector {
   bool sides_may_be_wrong_;  ///< sides were found: where no leaf is of a point's side, all count
 };
 
-// theory.md, "Guards", Projection: which leaves count at a point.
-constexpr double kErrors = 5.0;  ///< [e] the largest residual and the largest offset that count
-constexpr double kOffsetShare = 0.25;  ///< [r] the largest offset that counts, ...
-constexpr double kNoiseShare = 0.6;    ///< ... or, where noise explains more, at most this
-constexpr double kRounding = 1e-5;     ///< [r] added to the largest residual, for exact fits
-constexpr float kSharpDot =
-    0.5f;  ///< least cosine of a point's and a leaf's normal, sharp features
+constexpr double kRounding = 1e-5;  ///< [r] added to the largest residual, for exact fits
 
 BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surface,
                                const std::vector<std::uint32_t>& leaves,
@@ -302,7 +271,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
   rules_.guarded = !surface.info.paper_mode;
   rules_.with_hessian = params.curvature || with_directions_;
   rules_.with_third = params.extremality;
-  if (by_normals_) min_dot_ = params.sharp_features ? kSharpDot : normalBound(store);
+  if (by_normals_) min_dot_ = params.sharp_features ? kSharpCosine : normalBound(store);
   placed_.resize(leaves.size());
   parallelFor(leaves.size(), threads, 1024,
               [&](std::size_t j, int) { placed_[j] = placed(leaves[j]); });
@@ -318,10 +287,9 @@ BlockProjector::PlacedLeaf BlockProjector::placed(std::uint32_t i) const {
     leaf.w[a] = static_cast<float>(frame.w[a]);
   }
   leaf.radius = placement_.radius(surface_, i);
-  const double residual = kErrors * surface_.error[i] / surface_.radius[i] + kRounding;
+  const double residual = kErrorGate * surface_.error[i] / surface_.radius[i] + kRounding;
   leaf.max_residual = static_cast<float>(residual);
-  const double noise = std::min(kErrors * noise_ / surface_.radius[i], kNoiseShare);
-  leaf.max_offset = static_cast<float>(std::min(residual, std::max(kOffsetShare, noise)));
+  leaf.max_offset = static_cast<float>(offsetGate(residual, noise_, surface_.radius[i]));
   if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
   leaf.degree = surface_.degree[i];
@@ -394,7 +362,7 @@ bool BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch
 void BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
                            const BlockMeans& means, Projection& result) const {
   auto position = store_.position(i);
-  if (sums.weight[lane] > 0 && means.length[lane] > BlockMeans::kLeastGradient) {
+  if (sums.weight[lane] > 0 && means.length[lane] > kLeastGradient) {
     for (int a = 0; a < 3; ++a) {
       position[a] += means.offset[lane] * sums.direction[a][lane];
       result.normal[i][a] = means.unit[a][lane];
@@ -413,7 +381,7 @@ void BlockProjector::writeCurvature(std::size_t i, std::size_t lane, const Block
   const Vector3 g = {means.gradient[0][lane], means.gradient[1][lane], means.gradient[2][lane]};
   Symmetric3<double> h;
   for (std::size_t k = 0; k < h.size(); ++k) h[k] = sums.hessian[k][lane] / weight;
-  result.curvature[i] = meanAndGaussian(g, length, h);
+  result.curvature[i] = meanAndGaussian(g, h);
   if (with_directions_) result.principal[i] = principalCurvatures(g, length, h);
   if (rules_.with_third) {
     double third[10];

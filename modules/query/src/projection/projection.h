@@ -78,11 +78,12 @@ void addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const Bl
 }  // namespace kernels
 
 /** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
- * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian.
+ * \param[in] g gradient, longer than kLeastGradient; \param[in] h Hessian.
  * Positive where the surface bends away from g. */
-std::array<float, 2> meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h);
+std::array<float, 2> meanAndGaussian(const Vector3& g, const Symmetric3<double>& h);
 
-/** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
+/** \brief Eigenvalues and eigenvectors of the same level set's shape operator. \param[in] length of
+ * the gradient */
 PrincipalFrame principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h);
 
 /** \brief Fills in dk/dt along each principal direction t: (T(t,t,t) - 3 k H(t,n)) / |g|.

@@ -56,21 +56,20 @@ void addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Ble
                      BlockSums& sums, LeafHeights& heights) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = frame.place(points, i);
     keep({p.u, p.v, p.w}, heights.place, i);
     const Vec s_sq = p.lengthSq();
     Mask near = reached(points, leaf, i, s_sq);
     if (AllFalse(d, near)) continue;
-    Vec h, hu, hv;
-    jets.gradient(p.u, p.v, h, hu, hv);
-    keep({h, hu, hv}, heights.height, i);
+    const Slopes<Vec> h = slopesOf<D>(c, p.u, p.v);
+    keep({h.h, h.u, h.v}, heights.height, i);
     if (rules.guarded) {
-      near = And(near, Abs(p.w - h) <= set(leaf.max_residual));
+      near = And(near, Abs(p.w - h.h) <= set(leaf.max_residual));
     }
     Vec g = weightOf(leaf, rules, near, s_sq);
-    const Local n = gradientOf(hu, hv);
+    const Local n = gradientOf(h);
     Vec sum[3], normal[3];
     for (int a = 0; a < 3; ++a) {
       sum[a] = Load(d, sums.direction[a] + i);
@@ -88,40 +87,39 @@ void addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Ble
 struct Crossing {
   Vec t;
   Local q;        ///< p + t d
-  Vec hu, hv;     ///< slopes of the polynomial there
+  Slopes<Vec> h;  ///< of the polynomial there
   Vec along_ray;  ///< grad f . d at the last step
 };
 
 /** Newton's steps from t = 0 on F(t) = f(p + t d): points are within noise of the leaf. */
 template <int D>
-HWY_INLINE Crossing crossingOf(const HeightJets<D>& jets, const Local& p,
+HWY_INLINE Crossing crossingOf(const LeafCoefficients<D>& c, const Local& p,
                                const LeafHeights& heights, std::size_t i, const Local& ray,
                                Mask near) {
   const Tag d;
   Vec t = Zero(d), u = p.u, v = p.v, w = p.w, slope;
-  Vec h = Load(d, heights.height[0] + i), hu = Load(d, heights.height[1] + i),
-      hv = Load(d, heights.height[2] + i);
+  Slopes<Vec> h = {Load(d, heights.height[0] + i), Load(d, heights.height[1] + i),
+                   Load(d, heights.height[2] + i)};
   for (int step = 0; step < kNewtonSteps; ++step) {
-    if (step > 0) jets.gradient(u, v, h, hu, hv);
-    slope = NegMulAdd(hu, ray.u, NegMulAdd(hv, ray.v, ray.w));
+    if (step > 0) h = slopesOf<D>(c, u, v);
+    slope = NegMulAdd(h.u, ray.u, NegMulAdd(h.v, ray.v, ray.w));
     const Mask usable = Abs(slope) > set(kLeastSlope);
-    const Vec change = (w - h) / IfThenElse(usable, slope, set(kNoStep));
+    const Vec change = (w - h.h) / IfThenElse(usable, slope, set(kNoStep));
     t -= change;
     u = MulAdd(t, ray.u, p.u);
     v = MulAdd(t, ray.v, p.v);
     w = MulAdd(t, ray.w, p.w);
     if (AllTrue(d, Or(Not(near), Abs(change) < set(kConverged)))) break;
   }
-  jets.gradient(u, v, h, hu, hv);
-  return {t, {u, v, w}, hu, hv, slope};
+  return {t, {u, v, w}, slopesOf<D>(c, u, v), slope};
 }
 
 /** Adds a leaf's offset, gradient, Hessian and third derivatives (eqs. 6 to 8) with the weight g.
  */
 template <int D>
-HWY_INLINE void addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jets,
-                         const BlendRules& rules, const Crossing& root, Mask near, Vec g,
-                         std::size_t i, BlockSums& sums) {
+HWY_INLINE void addBlend(const BlockLeaf& leaf, const LeafFrame& frame,
+                         const LeafCoefficients<D>& c, const BlendRules& rules,
+                         const Crossing& root, Mask near, Vec g, std::size_t i, BlockSums& sums) {
   addTo(sums.weight + i, near, g);
   addTo(sums.offset + i, near, g * (root.t * set(leaf.radius)));
   if (!leaf.trim.closed()) {
@@ -129,16 +127,16 @@ HWY_INLINE void addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const He
   }
   // Signed so that every gradient points along the ray.
   const Vec signed_g = rules.oriented ? g : g * alignment(root.along_ray);
-  const Local n = gradientOf(root.hu, root.hv);
+  const Local n = gradientOf(root.h);
   for (int a = 0; a < 3; ++a) {
     addTo(sums.gradient[a] + i, near, signed_g * frame.back(a, n));
   }
   if (!rules.with_hessian) return;
   const Vec inverse = set(1.0f / leaf.radius);
   const Vec scale = IfThenElseZero(near, Neg(signed_g * inverse));
-  addHessian(frame, jets, root.q, near, scale, i, sums);
+  addHessian(frame, c, root.q, near, scale, i, sums);
   if (!rules.with_third) return;
-  addThird(frame, jets.third(root.q.u, root.q.v), near, scale * inverse, i, sums);
+  addThird(frame, thirdDerivatives<D>(c, root.q.u, root.q.v), near, scale * inverse, i, sums);
 }
 
 template <int D>
@@ -146,7 +144,7 @@ void addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const 
                         const LeafHeights& heights, BlockSums& sums) {
   const Tag d;
   const LeafFrame frame(leaf);
-  const HeightJets<D> jets(leaf.c);
+  const LeafCoefficients<D> c(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = {Load(d, heights.place[0] + i), Load(d, heights.place[1] + i),
                      Load(d, heights.place[2] + i)};
@@ -155,7 +153,7 @@ void addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const 
     if (AllFalse(d, near)) continue;
     const Local ray = frame.turn(Load(d, sums.direction[0] + i), Load(d, sums.direction[1] + i),
                                  Load(d, sums.direction[2] + i));
-    const Crossing root = crossingOf(jets, p, heights, i, ray, near);
+    const Crossing root = crossingOf(c, p, heights, i, ray, near);
     const Vec q_sq = root.q.lengthSq();
     const Mask usable = Abs(root.along_ray) > set(kLeastSlope);
     near = And(near, And(q_sq < set(1.0f), usable));
@@ -167,7 +165,7 @@ void addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const 
     }
     if (AllFalse(d, near)) continue;
     const Vec g = weightOf(leaf, rules, near, s_sq);
-    addBlend(leaf, frame, jets, rules, root, near, g, i, sums);
+    addBlend(leaf, frame, c, rules, root, near, g, i, sums);
   }
 }
 

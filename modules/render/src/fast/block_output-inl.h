@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "fast/block_passes-inl.h"
+#include "pcl_slim/leaf/detail/level_set-inl.h"
 #include "tiles/tiles.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,33 +24,6 @@ HWY_INLINE void toWorld(const FrameView& view, const Vec p[3], Vec world[3]) {
     world[a] = dot3(set(view.right[a]), set(view.up[a]), set(view.forward[a]), p[0], p[1], p[2]);
   }
 }
-
-/** Curvatures of the level set with the given gradient and Hessian. */
-struct LevelSetCurvatures {
-  Vec mean, gaussian, k_max, k_min;
-
-  HWY_INLINE LevelSetCurvatures(const Vec g[3], const Vec h[6]) {
-    const Vec half = set(0.5f), two = set(2.0f);
-    const Vec xx = g[0] * g[0], yy = g[1] * g[1], zz = g[2] * g[2];
-    const Vec xy = g[0] * g[1], xz = g[0] * g[2], yz = g[1] * g[2];
-    const Vec norm_sq = Max(xx + (yy + zz), set(1e-30f));
-    const Vec ghg = MulAdd(two, dot3(xy, xz, yz, h[kXY], h[kXZ], h[kYZ]),
-                           dot3(xx, yy, zz, h[kXX], h[kYY], h[kZZ]));
-    const Vec inverse_sq = set(1.0f) / norm_sq;
-    const Vec trace = h[kXX] + (h[kYY] + h[kZZ]);
-    mean = half * NegMulAdd(ghg, inverse_sq, trace) * Sqrt(inverse_sq);
-    const auto minor = [&](int a, int b, int c, int e)
-                           HWY_ATTR { return MulSub(h[a], h[b], h[c] * h[e]); };
-    const Vec diagonal = dot3(xx, yy, zz, minor(kYY, kZZ, kYZ, kYZ), minor(kXX, kZZ, kXZ, kXZ),
-                              minor(kXX, kYY, kXY, kXY));
-    const Vec mixed = dot3(xy, xz, yz, minor(kXZ, kYZ, kXY, kZZ), minor(kXY, kYZ, kXZ, kYY),
-                           minor(kXY, kXZ, kYZ, kXX));
-    gaussian = MulAdd(two, mixed, diagonal) * (inverse_sq * inverse_sq);
-    const Vec spread = Sqrt(Max(set(0.0f), MulSub(mean, mean, gaussian)));
-    k_max = mean + spread;
-    k_min = mean - spread;
-  }
-};
 
 /** The pixels of a block whose upper left one is at (x, y) of its tile. */
 struct BlockRows {
@@ -182,7 +156,7 @@ struct BlockOutput {
     Vec h[6];
     for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k] * share;
     if (!buffer.mean_curvature.empty()) {
-      const LevelSetCurvatures curvature(g, h);
+      const LevelSetCurvatures<Vec> curvature(g, h);
       put(IfThenElseZero(met, curvature.mean), buffer.mean_curvature);
       put(IfThenElseZero(met, curvature.gaussian), buffer.gaussian_curvature);
       HWY_ALIGN float values[32] = {};

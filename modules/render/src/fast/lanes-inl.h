@@ -125,6 +125,11 @@ struct Pair {
 using Vec = Pair<hn::Vec<Part>>;
 using UintVec = Pair<hn::Vec<UintPart>>;
 
+template <class V>
+HWY_INLINE Pair<V> numberOf(NumberType<Pair<V>>, double value) {
+  return {number<V>(value), number<V>(value)};
+}
+
 struct Mask {
   hn::Mask<Part> low, high;
 

@@ -10,7 +10,7 @@
 
 #include "fast/lanes-inl.h"
 #include "fast/setup/leaf_setup.h"
-#include "pcl_slim/query/detail/ray_surfel.h"
+#include "pcl_slim/leaf/detail/roots.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -8,7 +8,8 @@
 #define PCL_SLIM_BLEND_AT_INL
 #endif
 
-#include "pcl_slim/query/detail/ray_surfel.h"
+#include "pcl_slim/leaf/detail/height-inl.h"
+#include "pcl_slim/leaf/detail/roots.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
@@ -90,7 +91,7 @@ struct NearRoots {
 
 HWY_INLINE NearRoots nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec high,
                                          bool front_only, Mask wanted) {
-  const QuadraticRootLanes roots(line);
+  const QuadraticRoots<Vec> roots(line);
   const Mask real = And(wanted, roots.real);
   const auto counts = [&](Vec s, Mask falling) HWY_ATTR {
     const Mask on_chord = And(real, And(s >= low, s <= high));
@@ -102,21 +103,11 @@ HWY_INLINE NearRoots nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec 
   return {IfThenElse(nearer, roots.other, roots.one), Or(is_one, is_other)};
 }
 
-/** Vec where Newton's steps from q^ are sure to lead to the nearest root, as obviousRoot(). */
-template <int D>
-HWY_INLINE Mask obvious(const LeafLines<D>& line) {
-  const Vec reach = set(2.0f) * Abs(line.a[0]), steep = Abs(line.a[1]);
-  const Vec m = reach / steep;
-  const Vec outer = MulAdd(set(12.0f) * m, Abs(line.a[4]), set(6.0f) * Abs(line.a[3]));
-  const Vec bend = MulAdd(m, outer, set(2.0f) * Abs(line.a[2]));
-  return And(reach < steep, set(2.0f) * bend * reach < steep * steep);
-}
-
 template <int D>
 HWY_INLINE NearRoots nearestOfHigher(const LeafLines<D>& line, Vec low, Vec high, bool front_only,
                                      Mask wanted, std::uint64_t& bracketed) {
   const Tag d;
-  NearRoots roots{Neg(line.a[0] / line.a[1]), And(wanted, obvious<D>(line))};
+  NearRoots roots{Neg(line.a[0] / line.a[1]), And(wanted, line.leadsToRoot())};
   for (int step = 0; step < 4; ++step) {
     roots.s -= line.value(roots.s) / line.slope(roots.s);
   }
@@ -153,20 +144,21 @@ struct BlendContext {
 template <int D>
 HWY_INLINE void addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v,
                                Vec weight, bool with_hessian, LaneSums& sums) {
-  const LaneJets<D> jet(block, u, v);
+  const Slopes<Vec> h = slopesOf<D>(block, u, v);
   const Vec fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
             fw[3] = {frame.w.x, frame.w.y, frame.w.z};
   for (int a = 0; a < 3; ++a) {
-    const Vec g = NegMulAdd(jet.hu, fu[a], NegMulAdd(jet.hv, fv[a], fw[a]));
+    const Vec g = NegMulAdd(h.u, fu[a], NegMulAdd(h.v, fv[a], fw[a]));
     sums.gradient[a] = MulAdd(weight, g, sums.gradient[a]);
   }
   if (!with_hessian) return;
+  const SecondDerivatives<Vec> bend = secondDerivatives<D>(block, u, v);
   const Vec scale = Neg(weight * block.column(kBlockInverseRadius));
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i; j < 3; ++j) {
       const Vec mixed = MulAdd(fu[i], fv[j], fv[i] * fu[j]);
       const Vec entry =
-          MulAdd(jet.huu * fu[i], fu[j], MulAdd(jet.huv, mixed, jet.hvv * fv[i] * fv[j]));
+          MulAdd(bend.uu * fu[i], fu[j], MulAdd(bend.uv, mixed, bend.vv * fv[i] * fv[j]));
       Vec& sum = sums.hessian[kSymmetricEntry[i][j]];
       sum = MulAdd(scale, entry, sum);
     }
@@ -223,7 +215,7 @@ HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& h
   if (bits == 0) return;
   context.counts.leaves_blend += static_cast<std::uint64_t>(__builtin_popcount(bits));
   const FrameLanes<Vec> frame = block.frames();
-  const LeafLines<D> line(block, frame, p, direction);
+  const LeafLines<D> line(block, frame.turn(p), frame.turn(direction));
   counts = And(counts, Abs(line.a[0]) < set(kMaxShift));
   if (AllFalse(d, counts)) return;
 
@@ -248,7 +240,7 @@ HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& h
   // A lane without a root may contain anything, infinity too, and no product with 0 mends that.
   const auto only = [added](Vec x) HWY_ATTR { return IfThenElseZero(added, x); };
   weight = only(weight);
-  const Vec s = only(roots.s), u = only(line.u), v = only(line.v);
+  const Vec s = only(roots.s), u = only(line.p.x), v = only(line.p.y);
   const Vec cover =
       set(static_cast<float>(1.0 / (context.scene.cover_radius * context.scene.cover_radius)));
   sums.weight += weight;
@@ -259,7 +251,7 @@ HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& h
   const Vec side = IfThenElse(rises, Neg(one), one);
   sums.facing += only(side);
   addPlaces(pointAt(p, s, direction), weight, added, sums);
-  const Vec at_u = MulAdd(s, line.du, u), at_v = MulAdd(s, line.dv, v);
+  const Vec at_u = MulAdd(s, line.d.x, u), at_v = MulAdd(s, line.d.y, v);
   addDerivatives<D>(block, frame, at_u, at_v, side * weight, context.rules.with_hessian, sums);
   if (context.scene.surface.hasTrimMaps()) {
     addOutside(context.scene.surface, head.surfel + block.k, weight, at_u, at_v, sums);

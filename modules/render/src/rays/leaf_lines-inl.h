@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "hwy/highway.h"
+#include "pcl_slim/leaf/detail/line-inl.h"
 #include "pcl_slim/query/detail/ray_surfel.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "rays/ray_scene.h"
@@ -38,18 +39,16 @@ HWY_INLINE unsigned bitsOf(Mask mask) {
 
 using Triad = Triple<Vec>;
 
-/** p + s d. */
-HWY_INLINE Triad pointAt(const Triad& p, Vec s, const Triad& d) {
-  return {MulAdd(s, d.x, p.x), MulAdd(s, d.y, p.y), MulAdd(s, d.z, p.z)};
-}
-
 /** Vec k, k + 1, ... of a block. */
 struct BlockLanes {
   const float* columns;
   std::size_t k;
 
   HWY_INLINE Vec column(std::size_t c) const { return Load(Tag(), columns + c * kWide + k); }
-  HWY_INLINE Vec coefficient(std::size_t c) const { return column(kBlockCoefficients + c); }
+  /** Coefficient i of the leaves' polynomials. */
+  HWY_INLINE Vec operator()(int i) const {
+    return column(kBlockCoefficients + static_cast<std::size_t>(i));
+  }
 
   /** The leaves' frames. */
   HWY_INLINE FrameLanes<Vec> frames() const {
@@ -65,162 +64,9 @@ struct BlockLanes {
   }
 };
 
-/** f / r along p + s d as a polynomial in s, p and s in radii, as RayPolynomial. D: 2, 3 or 4. */
+/** f / r of a block's leaves along one line; D: 2, 3 or 4. */
 template <int D>
-struct LeafLines {
-  Vec a[5];
-  Vec u, v, du, dv;  ///< p and d in the leaves' frames
-
-  LeafLines(const BlockLanes& block, const FrameLanes<Vec>& frame, const Triad& p, const Triad& d)
-      : u(dot3(p, frame.u)), v(dot3(p, frame.v)), du(dot3(d, frame.u)), dv(dot3(d, frame.v)) {
-    const Vec c1 = block.coefficient(1), c2 = block.coefficient(2);
-    a[0] = MulAdd(c1, u, MulAdd(c2, v, block.coefficient(0)));
-    a[1] = MulAdd(c1, du, c2 * dv);
-    addQuadratic(block);
-    a[3] = a[4] = Zero(Tag());
-    if constexpr (D >= 3) addCubic(block);
-    if constexpr (D >= 4) addQuartic(block);
-    a[0] = dot3(p, frame.w) - a[0];
-    a[1] = dot3(d, frame.w) - a[1];
-    for (int i = 2; i <= D; ++i) a[i] = Neg(a[i]);
-  }
-
-  HWY_INLINE Vec slope(Vec s) const {
-    Vec value = set(static_cast<float>(D)) * a[D];
-    for (int i = D - 1; i >= 1; --i) {
-      value = MulAdd(value, s, set(static_cast<float>(i)) * a[i]);
-    }
-    return value;
-  }
-  HWY_INLINE Vec value(Vec s) const {
-    Vec value = a[D];
-    for (int i = D - 1; i >= 0; --i) value = MulAdd(value, s, a[i]);
-    return value;
-  }
-
- private:
-  /** x u + y v times a factor. */
-  static HWY_INLINE Vec both(Vec x, Vec u, Vec y, Vec v) { return MulAdd(x, u, y * v); }
-
-  HWY_INLINE void addQuadratic(const BlockLanes& block) {
-    const Vec c0 = block.coefficient(3), c1 = block.coefficient(4), c2 = block.coefficient(5);
-    const Vec gu = both(c0 + c0, u, c1, v), gv = both(c1, u, c2 + c2, v);
-    a[0] = MulAdd(set(0.5f), both(gu, u, gv, v), a[0]);
-    a[1] += both(gu, du, gv, dv);
-    a[2] = MulAdd(MulAdd(c0, du, c1 * dv), du, c2 * (dv * dv));
-  }
-
-  HWY_INLINE void addCubic(const BlockLanes& block) {
-    Vec c[4];
-    for (std::size_t i = 0; i < 4; ++i) c[i] = block.coefficient(6 + i);
-    const Vec two = set(2.0f), three = set(3.0f);
-    const auto gradient_u = [&](Vec x, Vec y) HWY_ATTR {
-      return MulAdd(MulAdd(three * c[0], x, two * c[1] * y), x, c[2] * (y * y));
-    };
-    const auto gradient_v = [&](Vec x, Vec y) HWY_ATTR {
-      return MulAdd(MulAdd(c[1], x, two * c[2] * y), x, three * c[3] * (y * y));
-    };
-    const Vec pu = gradient_u(u, v), pv = gradient_v(u, v);
-    const Vec qu = gradient_u(du, dv), qv = gradient_v(du, dv);
-    const Vec third = set(1.0f / 3.0f);
-    a[0] = MulAdd(third, both(pu, u, pv, v), a[0]);
-    a[1] += both(pu, du, pv, dv);
-    a[2] += both(qu, u, qv, v);
-    a[3] = third * both(qu, du, qv, dv);
-  }
-
-  HWY_INLINE void addQuartic(const BlockLanes& block) {
-    Vec c[5];
-    for (std::size_t i = 0; i < 5; ++i) c[i] = block.coefficient(10 + i);
-    const auto times = [](float f, Vec x) HWY_ATTR { return set(f) * x; };
-    const auto gradient_u = [&](Vec x, Vec y) HWY_ATTR {
-      const Vec xx = x * x, yy = y * y;
-      return MulAdd(xx, both(times(4.0f, c[0]), x, times(3.0f, c[1]), y),
-                    yy * both(times(2.0f, c[2]), x, c[3], y));
-    };
-    const auto gradient_v = [&](Vec x, Vec y) HWY_ATTR {
-      const Vec xx = x * x, yy = y * y;
-      return MulAdd(xx, both(c[1], x, times(2.0f, c[2]), y),
-                    yy * both(times(3.0f, c[3]), x, times(4.0f, c[4]), y));
-    };
-    const Vec pu = gradient_u(u, v), pv = gradient_v(u, v);
-    const Vec qu = gradient_u(du, dv), qv = gradient_v(du, dv);
-    const Vec uu = u * u, uv = u * v, vv = v * v;
-    const Vec huu =
-        MulAdd(times(12.0f, c[0]), uu, both(times(6.0f, c[1]), uv, times(2.0f, c[2]), vv));
-    const Vec huv =
-        MulAdd(times(3.0f, c[1]), uu, both(times(4.0f, c[2]), uv, times(3.0f, c[3]), vv));
-    const Vec hvv =
-        MulAdd(times(2.0f, c[2]), uu, both(times(6.0f, c[3]), uv, times(12.0f, c[4]), vv));
-    const Vec bend = MulAdd(huu, du * du, both(times(2.0f, huv), du * dv, hvv, dv * dv));
-    a[0] = MulAdd(set(0.25f), both(pu, u, pv, v), a[0]);
-    a[1] += both(pu, du, pv, dv);
-    a[2] = MulAdd(set(0.5f), bend, a[2]);
-    a[3] += both(qu, u, qv, v);
-    a[4] = times(0.25f, both(qu, du, qv, dv));
-  }
-};
-
-/** Both roots of quadratics, without cancellation. */
-struct QuadraticRootLanes {
-  Vec one, other;
-  Mask real;
-  Mask one_falls;  ///< the quadratic falls at one and rises at other; elsewhere the reverse
-
-  explicit QuadraticRootLanes(const LeafLines<2>& line) {
-    const Vec *a = line.a, zero = Zero(Tag());
-    const Vec under = NegMulAdd(set(4.0f) * a[2], a[0], a[1] * a[1]);
-    real = under >= zero;
-    const Vec root = Sqrt(Max(under, zero));
-    const Vec q = set(-0.5f) * (a[1] + CopySign(root, a[1]));
-    one = a[0] / q;
-    other = q / a[2];
-    one_falls = a[1] < zero;
-  }
-};
-
-/** Slopes and bends of the height polynomials at (u, v). */
-template <int D>
-struct LaneJets {
-  Vec hu, hv, huu, huv, hvv;
-
-  LaneJets(const BlockLanes& block, Vec u, Vec v) {
-    // Slopes of each power of u, from the highest degree down to 2, added to the linear terms.
-    const Vec two = set(2.0f);
-    const auto c = [&](std::size_t i) HWY_ATTR { return block.coefficient(i); };
-    huu = two * c(3);
-    huv = c(4);
-    hvv = two * c(5);
-    hu = MulAdd(huu, u, MulAdd(huv, v, c(1)));
-    hv = MulAdd(huv, u, MulAdd(hvv, v, c(2)));
-    if constexpr (D >= 3) addForm<3, 6>(block, u, v);
-    if constexpr (D >= 4) addForm<4, 10>(block, u, v);
-  }
-
- private:
-  /** Adds the derivatives of the form of degree N whose coefficients begin at First. */
-  template <int N, int First>
-  HWY_INLINE void addForm(const BlockLanes& block, Vec u, Vec v) {
-    Vec pu[N], pv[N];
-    pu[0] = pv[0] = set(1.0f);
-    for (int i = 1; i < N; ++i) {
-      pu[i] = pu[i - 1] * u;
-      pv[i] = pv[i - 1] * v;
-    }
-    unrolled<N + 1>([&](auto step) HWY_ATTR {
-      constexpr int kJ = step(), kI = N - kJ;
-      const Vec c = block.coefficient(static_cast<std::size_t>(First + kJ));
-      const auto term = [&](int factor, int i, int j) HWY_ATTR {
-        return set(static_cast<float>(factor)) * c * (pu[i] * pv[j]);
-      };
-      if constexpr (kI >= 1) hu += term(kI, kI - 1, kJ < N ? kJ : 0);
-      if constexpr (kJ >= 1) hv += term(kJ, kI < N ? kI : 0, kJ - 1);
-      if constexpr (kI >= 2) huu += term(kI * (kI - 1), kI - 2, kJ);
-      if constexpr (kI >= 1 && kJ >= 1) huv += term(kI * kJ, kI - 1, kJ - 1);
-      if constexpr (kJ >= 2) hvv += term(kJ * (kJ - 1), kI, kJ - 2);
-    });
-  }
-};
+using LeafLines = LinePolynomial<D, Vec>;
 
 constexpr std::size_t kStack = 7 * 64 + 8;  ///< seven siblings are left at each of 64 levels
 

@@ -82,8 +82,8 @@ HWY_INLINE Mask haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s
   if (!trims.surface.hasTrimMaps()) return some;
   const Tag d;
   HWY_ALIGN float u[kWide], v[kWide], have[kWide] = {};
-  Store(MulAdd(s, line.du, line.u), d, u);
-  Store(MulAdd(s, line.dv, line.v), d, v);
+  Store(MulAdd(s, line.d.x, line.p.x), d, u);
+  Store(MulAdd(s, line.d.y, line.p.y), d, v);
   for (unsigned bits = bitsOf(some); bits != 0; bits &= bits - 1) {
     const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
     have[k] = trims.hasData(k, u[k], v[k]) ? 1.0f : 0.0f;
@@ -94,7 +94,7 @@ HWY_INLINE Mask haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s
 /** Roots of quadratic and linear leaves, in closed form without cancellation. */
 HWY_INLINE Vec firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord,
                                  const LaneTrims& trims) {
-  const QuadraticRootLanes roots(line);
+  const QuadraticRoots<Vec> roots(line);
   const Mask real = And(chord.inside, roots.real);
   const auto counted = [&](Vec s, Mask falling) HWY_ATTR {
     const Vec low = IfThenElse(falling, chord.front, chord.behind);
@@ -104,56 +104,20 @@ HWY_INLINE Vec firstOfQuadratics(const LeafLines<2>& line, const LaneChords& cho
   return Min(counted(roots.one, roots.one_falls), counted(roots.other, Not(roots.one_falls)));
 }
 
-/** Vec on whose chords a polynomial of degree 3 or 4 may have a root, by the signs of its
- * Bernstein coefficients. */
-template <int D>
-HWY_INLINE Mask mayHaveRoots(const LeafLines<D>& line, Vec low, Vec high) {
-  Vec c[D + 1];
-  for (int i = 0; i <= D; ++i) c[i] = line.a[i];
-  for (int i = 0; i < D; ++i) {
-    for (int j = D - 1; j >= i; --j) c[j] = MulAdd(low, c[j + 1], c[j]);
-  }
-  const Vec span = high - low;
-  Vec power = span;
-  for (int i = 1; i <= D; ++i) {
-    c[i] *= power;
-    power *= span;
-  }
-  Vec least = c[0], most = c[0];
-  const auto take = [&](Vec b) HWY_ATTR {
-    least = Min(least, b);
-    most = Max(most, b);
-  };
-  const auto times = [](float f, Vec x) HWY_ATTR { return set(f) * x; };
-  if constexpr (D == 3) {
-    take(MulAdd(set(1.0f / 3.0f), c[1], c[0]));
-    take(MulAdd(set(1.0f / 3.0f), c[1] + c[1] + c[2], c[0]));
-    take(c[0] + c[1] + (c[2] + c[3]));
-  } else {
-    take(MulAdd(set(0.25f), c[1], c[0]));
-    take(MulAdd(set(0.5f), c[1], MulAdd(set(1.0f / 6.0f), c[2], c[0])));
-    take(MulAdd(set(0.75f), c[1], c[0]) + MulAdd(set(0.5f), c[2], times(0.25f, c[3])));
-    take(c[0] + c[1] + (c[2] + (c[3] + c[4])));
-  }
-  // A few roundings of room: a root at the very end of the chord is to be found as well.
-  const Vec room = set(1e-6f);
-  return And(least <= room, most >= Neg(room));
-}
-
 /** Roots of cubics and quartics, isolated one by one where there may be any. */
 template <int D>
 HWY_INLINE Vec firstOfHigher(const LeafLines<D>& line, const LaneChords& chord,
                              const LaneTrims& trims, std::uint64_t& bracketed) {
   const Tag d;
   const Vec low = Min(chord.front, chord.behind);
-  unsigned bits = bitsOf(And(chord.inside, mayHaveRoots<D>(line, low, chord.high)));
+  unsigned bits = bitsOf(And(chord.inside, line.mayHaveRoots(low, chord.high)));
   if (bits == 0) return set(kNever);
   HWY_ALIGN float a[D + 1][kWide], front[kWide], behind[kWide], high[kWide], root[kWide];
   HWY_ALIGN float u[kWide], v[kWide], du[kWide], dv[kWide];
-  Store(line.u, d, u);
-  Store(line.v, d, v);
-  Store(line.du, d, du);
-  Store(line.dv, d, dv);
+  Store(line.p.x, d, u);
+  Store(line.p.y, d, v);
+  Store(line.d.x, d, du);
+  Store(line.d.y, d, dv);
   for (int i = 0; i <= D; ++i) Store(line.a[i], d, a[i]);
   Store(chord.front, d, front);
   Store(chord.behind, d, behind);
@@ -189,7 +153,8 @@ HWY_INLINE bool firstRoots(const BlockLanes& block, const LaneTrims& trims, cons
   const unsigned bits = bitsOf(chord.inside);
   if (bits == 0) return false;
   counts.leaves_first += static_cast<std::uint64_t>(__builtin_popcount(bits));
-  const LeafLines<D> line(block, block.frames(), p, direction);
+  const FrameLanes<Vec> frame = block.frames();
+  const LeafLines<D> line(block, frame.turn(p), frame.turn(direction));
   if constexpr (D == 2)
     roots.s = firstOfQuadratics(line, chord, trims);
   else

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "hwy/highway.h"
+#include "pcl_slim/leaf/detail/level_set-inl.h"
+
 namespace pcl_slim::detail {
 namespace {
 
@@ -129,30 +132,6 @@ bool isSupported(const BlendSum& sum, double min_coverage) {
 
 namespace {
 
-/** \brief Curvatures of the level set with the given gradient and Hessian. */
-struct LevelSetCurvature {
-  double mean = 0.0, gaussian = 0.0, k_max = 0.0, k_min = 0.0;
-
-  LevelSetCurvature(const double g[3], const Symmetric3<double>& h) {
-    const double norm_sq = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-    if (!(norm_sq > 0.0)) return;
-    const double gx = g[0], gy = g[1], gz = g[2];
-    const double ghg = gx * gx * h[kXX] + gy * gy * h[kYY] + gz * gz * h[kZZ] +
-                       2.0 * (gx * gy * h[kXY] + gx * gz * h[kXZ] + gy * gz * h[kYZ]);
-    mean = 0.5 * (h[kXX] + h[kYY] + h[kZZ] - ghg / norm_sq) / std::sqrt(norm_sq);
-    const double adjugate = gx * gx * (h[kYY] * h[kZZ] - h[kYZ] * h[kYZ]) +
-                            gy * gy * (h[kXX] * h[kZZ] - h[kXZ] * h[kXZ]) +
-                            gz * gz * (h[kXX] * h[kYY] - h[kXY] * h[kXY]) +
-                            2.0 * (gx * gy * (h[kXZ] * h[kYZ] - h[kXY] * h[kZZ]) +
-                                   gx * gz * (h[kXY] * h[kYZ] - h[kXZ] * h[kYY]) +
-                                   gy * gz * (h[kXY] * h[kXZ] - h[kYZ] * h[kXX]));
-    gaussian = adjugate / (norm_sq * norm_sq);
-    const double spread = std::sqrt(std::max(0.0, mean * mean - gaussian));
-    k_max = mean + spread;
-    k_min = mean - spread;
-  }
-};
-
 /** \brief Writes the requested attributes from the blended derivatives. */
 void writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out) {
   double gradient[3];
@@ -168,7 +147,8 @@ void writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out) {
     out.hessian[pixel][k] = static_cast<float>(hessian[k]);
   }
   if (out.mean_curvature.empty()) return;
-  const LevelSetCurvature curvature(gradient, hessian);
+  using Curvatures = kernels::HWY_NAMESPACE::LevelSetCurvatures<double>;
+  const Curvatures curvature(gradient, hessian.data());
   out.mean_curvature[pixel] = static_cast<float>(curvature.mean);
   out.gaussian_curvature[pixel] = static_cast<float>(curvature.gaussian);
   out.principal[pixel] = {static_cast<float>(curvature.k_max), static_cast<float>(curvature.k_min)};

@@ -147,8 +147,8 @@ bool PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet
 
 namespace {
 
-void writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer& buffer) {
-  const auto [mean, gaussian] = meanAndGaussian(jet.gradient, norm, jet.hessian);
+void writeCurvatures(const ImplicitJet& jet, std::size_t pixel, GBuffer& buffer) {
+  const auto [mean, gaussian] = meanAndGaussian(jet.gradient, jet.hessian);
   const float spread = std::sqrt(std::max(0.0f, mean * mean - gaussian));
   buffer.mean_curvature[pixel] = mean;
   buffer.gaussian_curvature[pixel] = gaussian;
@@ -170,7 +170,7 @@ void writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer) {
   for (std::size_t k = 0; k < 6 && !buffer.hessian.empty(); ++k) {
     buffer.hessian[pixel][k] = static_cast<float>(jet.hessian[k]);
   }
-  if (!buffer.mean_curvature.empty()) writeCurvatures(jet, norm, pixel, buffer);
+  if (!buffer.mean_curvature.empty()) writeCurvatures(jet, pixel, buffer);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "hwy/highway.h"
 #include "pcl_slim/core/detail/graded_terms-inl.h"
 #include "pcl_slim/core/detail/lane_packing-inl.h"
+#include "pcl_slim/leaf/detail/numbers-inl.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
@@ -54,43 +55,6 @@ HWY_INLINE decltype(auto) forKernel(WeightKernel kernel, const Body& body) {
     default: return body(std::integral_constant<WeightKernel, WeightKernel::kGaussian>());
   }
 }
-
-template <class V>
-HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
-  return MulAdd(ax, bx, MulAdd(ay, by, az * bz));
-}
-
-/** Three coordinates: a point or a direction in each lane. V: vector of floats. */
-template <class V>
-struct Triple {
-  V x, y, z;
-};
-
-template <class V>
-HWY_INLINE V dot3(const Triple<V>& a, const Triple<V>& b) {
-  return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
-}
-
-/** The same point or direction in every lane. */
-template <class V>
-HWY_INLINE Triple<V> tripleOf(const float v[3]) {
-  const hn::DFromV<V> d;
-  return {Set(d, v[0]), Set(d, v[1]), Set(d, v[2])};
-}
-
-/** Two axes across a unit normal w (Duff et al. 2017), as LocalFrame. */
-template <class V>
-struct FrameLanes {
-  Triple<V> u, v, w;
-
-  explicit FrameLanes(const Triple<V>& n) : w(n) {
-    const V one = Set(hn::DFromV<V>(), 1.0f), sign = CopySign(one, n.z);
-    const V a = Neg(one) / (sign + n.z);
-    const V b = n.x * n.y * a, sx = sign * n.x;
-    u = {MulAdd(sx * n.x, a, one), sign * b, Neg(sx)};
-    v = {b, MulAdd(n.y * n.y, a, sign), Neg(n.y)};
-  }
-};
 
 HWY_INLINE double sumLanes(Vec v) {
   return GetLane(SumOfLanes(Tag(), v));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/query/detail/ray_surfel.h"
+#include "pcl_slim/leaf/detail/roots.h"
 
 #include <gtest/gtest.h>
 
