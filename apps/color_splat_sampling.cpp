@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -111,9 +113,8 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
 
 Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& report,
              SplatSet& splats) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    s.params.viewpoint[a] = s.scan.viewpoint.size() == 3 ? s.scan.viewpoint[a] : cloud.sensor()[a];
-  }
+  const std::array<double, 3> viewpoint = s.scan.params.viewpoint.value_or(cloud.sensor());
+  std::copy(viewpoint.begin(), viewpoint.end(), s.params.viewpoint);
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   const std::string work = "sampling " + std::to_string(cloud.size()) + " points";
   if (Error error = checkMemory(bytes, work)) return error;
@@ -128,7 +129,7 @@ Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& repo
   console.done(std::to_string(splats.size()) + " splats");
   if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
   if (!statistics.normals_estimated &&
-      (s.neighbors_given || !s.scan.viewpoint.empty() || !s.scan.trajectory.empty())) {
+      (s.neighbors_given || s.scan.params.viewpoint || !s.scan.trajectory.empty())) {
     console.note(
         "  the scan has normals: -estimate_normals, -viewpoint and -trajectory have no effect "
         "without -use_normals 0");

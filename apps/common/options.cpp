@@ -31,10 +31,43 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
-/** "1 to 4, " for whole numbers of a small range: what a help line can show. */
-std::string smallRange(bool whole, double low, double high) {
-  return whole && high <= 10000 ? numberText(low) + " to " + numberText(high) + ", "
-                                : std::string();
+/** "1 to 4, " for a small range: what a help line can show. */
+std::string smallRange(std::int64_t low, std::int64_t high) {
+  return high <= 10000 ? std::to_string(low) + " to " + std::to_string(high) + ", " : "";
+}
+
+template <typename T>
+bool parseWhole(const std::string& text, T& value) {
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+bool parseNumber(const std::string& text, double& value) {
+  return parseWhole(text, value) && std::isfinite(value);
+}
+
+std::size_t countParts(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
+}
+
+bool parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values) {
+  std::vector<double> parsed;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    double value = 0.0;
+    if (!parseNumber(text.substr(begin, end - begin), value)) return false;
+    parsed.push_back(value);
+    begin = end + 1;
+  }
+  if (parsed.size() != count) return false;
+  values = parsed;
+  return true;
+}
+
+std::string rangeText(double low, double high) {
+  if (high >= 1e18) return low > -1e18 ? " of at least " + numberText(low) : std::string();
+  return " from " + numberText(low) + " to " + numberText(high);
 }
 
 /** One argument of the help: its name, then its meaning in lines that end before column 80. */
@@ -61,89 +94,110 @@ std::string helpRow(const std::string& name, const std::string& meaning) {
 OptionTable::OptionTable(std::string program, std::string version, std::string summary)
     : program_(std::move(program)), version_(std::move(version)), summary_(std::move(summary)) {}
 
-OptionTable::Option& OptionTable::add(const std::string& name, Kind kind, void* target,
-                                      const std::string& help) {
-  Option option;
-  option.name = name;
-  option.kind = kind;
-  option.target = target;
-  option.help = help;
-  options_.push_back(std::move(option));
-  return options_.back();
-}
-
 void OptionTable::positional(const std::string& name, std::string* target,
                              const std::string& help) {
   positionals_.push_back({name, help, target});
 }
 
-void OptionTable::integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
-                          const std::string& help, const std::string& unset) {
-  Option& option = add(name, Kind::kInteger, target, help);
-  option.low = static_cast<double>(low);
-  option.high = static_cast<double>(high);
-  option.value_name = "N";
-  option.default_text = unset.empty() ? std::to_string(*target) : unset;
+void OptionTable::integer(const std::string& name, const Store<std::int64_t>& store,
+                          std::int64_t low, std::int64_t high, const std::string& help,
+                          const std::string& default_text) {
+  const auto least = static_cast<double>(low), most = static_cast<double>(high);
+  const auto assign = [store, least, most](const std::string& text) -> std::string {
+    std::int64_t value = 0;
+    const bool read = parseWhole(text, value);
+    const auto v = static_cast<double>(value);
+    if (!read || v < least || v > most) return "a whole number" + rangeText(least, most);
+    store(value);
+    return "";
+  };
+  options_.push_back({Kind::kNumber, name, "N", help, default_text, assign, smallRange(low, high)});
 }
 
-void OptionTable::integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
-                          std::uint64_t high, const std::string& help) {
-  Option& option = add(name, Kind::kUnsigned, target, help);
-  option.low = static_cast<double>(low);
-  option.high = static_cast<double>(high);
-  option.value_name = "N";
-  option.default_text = std::to_string(*target);
+void OptionTable::number(const std::string& name, const Store<double>& store, double low,
+                         double high, const std::string& help, const std::string& default_text) {
+  const auto assign = [store, low, high](const std::string& text) -> std::string {
+    double value = 0.0;
+    if (!parseNumber(text, value) || value < low || value > high)
+      return "a number" + rangeText(low, high);
+    store(value);
+    return "";
+  };
+  options_.push_back({Kind::kNumber, name, "X", help, default_text, assign});
 }
 
 void OptionTable::number(const std::string& name, double* target, double low, double high,
                          const std::string& help, const std::string& unset) {
-  Option& option = add(name, Kind::kNumber, target, help);
-  option.low = low;
-  option.high = high;
-  option.value_name = "X";
-  option.default_text = unset.empty() ? numberText(*target) : unset;
+  number(
+      name, [target](double value) { *target = value; }, low, high, help,
+      unset.empty() ? numberText(*target) : unset);
 }
 
-template <typename Target>
-void OptionTable::addSwitch(const std::string& name, Target* target,
-                            const std::string& default_text, const std::string& help) {
-  Option& option = add(name, Kind::kToggle, target, help);
-  option.value_name = "[0|1]";
-  option.default_text = default_text;
-  option.turn = [target](bool on) { *target = on; };
+void OptionTable::toggle(const std::string& name, const Store<bool>& store, const std::string& help,
+                         const std::string& default_text) {
+  const auto assign = [store](const std::string& text) {
+    const std::optional<bool> on = switchValue(text);
+    if (on) store(*on);
+    return on ? "" : "0 or 1";
+  };
+  options_.push_back({Kind::kToggle, name, "[0|1]", help, default_text, assign});
 }
 
 void OptionTable::toggle(const std::string& name, bool* target, const std::string& help) {
-  addSwitch(name, target, *target ? "1" : "0", help);
+  toggle(
+      name, [target](bool on) { *target = on; }, help, *target ? "1" : "0");
 }
 
 void OptionTable::toggle(const std::string& name, std::optional<bool>* target,
                          const std::string& help, const std::string& unset) {
-  addSwitch(name, target, unset, help);
+  toggle(
+      name, [target](bool on) { *target = on; }, help, unset);
 }
 
 void OptionTable::text(const std::string& name, std::string* target, const std::string& value_name,
                        const std::string& help) {
-  Option& option = add(name, Kind::kText, target, help);
-  option.value_name = value_name;
-  option.default_text = target->empty() ? "none" : *target;
+  const auto assign = [target, value_name](const std::string& text) {
+    *target = text;
+    return text.empty() ? value_name : "";
+  };
+  options_.push_back(
+      {Kind::kText, name, value_name, help, target->empty() ? "none" : *target, assign});
 }
 
 void OptionTable::choice(const std::string& name, std::string* target,
                          const std::vector<std::string>& words, const std::string& help) {
-  Option& option = add(name, Kind::kChoice, target, help);
-  option.words = words;
-  for (const std::string& word : words) {
-    option.value_name += (option.value_name.empty() ? "" : "|") + word;
-  }
-  option.default_text = *target;
+  std::string value_name;
+  for (const std::string& word : words) value_name += (value_name.empty() ? "" : "|") + word;
+  const auto assign = [target, words, value_name](const std::string& text) {
+    *target = text;
+    return std::count(words.begin(), words.end(), text) ? "" : value_name;
+  };
+  options_.push_back({Kind::kNumber, name, value_name, help, *target, assign});
+}
+
+void OptionTable::numbers(const std::string& name, const Store<const std::vector<double>&>& store,
+                          const std::string& value_name, const std::string& help) {
+  const auto assign = [store, value_name](const std::string& text) {
+    std::vector<double> values;
+    const bool read = parseNumbers(text, countParts(value_name), values);
+    if (read) store(values);
+    return read ? "" : "numbers in the form " + value_name;
+  };
+  options_.push_back({Kind::kNumber, name, value_name, help, "none", assign});
 }
 
 void OptionTable::numbers(const std::string& name, std::vector<double>* target,
                           const std::string& value_name, const std::string& help) {
-  Option& option = add(name, Kind::kNumbers, target, help);
-  option.value_name = value_name;
-  option.default_text = "none";
+  numbers(
+      name, [target](const std::vector<double>& values) { *target = values; }, value_name, help);
+}
+
+void OptionTable::numbers(const std::string& name, std::optional<std::array<double, 3>>* target,
+                          const std::string& value_name, const std::string& help) {
+  const auto store = [target](const std::vector<double>& values) {
+    std::copy(values.begin(), values.end(), target->emplace().begin());
+  };
+  numbers(name, store, value_name, help);
 }
 
 void OptionTable::exclusive(const std::vector<std::string>& names) {
@@ -187,8 +241,7 @@ std::string OptionTable::help() const {
   text += "\nOptions:\n";
   for (const Option& o : options_) {
     text += helpRow("-" + o.name + " " + o.value_name,
-                    o.help + " (" + smallRange(o.kind == Kind::kInteger, o.low, o.high) +
-                        "default: " + o.default_text + ")");
+                    o.help + " (" + o.range + "default: " + o.default_text + ")");
   }
   text += helpRow("-h", "this text") + helpRow("-version", "the version");
   const bool has_switch = std::any_of(options_.begin(), options_.end(),
@@ -214,59 +267,13 @@ std::string OptionTable::markdown() const {
     text += "| `" + escaped(p.name) + "` | | " + escaped(p.help) + " |\n";
   }
   for (const Option& o : options_) {
-    text += "| `-" + o.name + " " + escaped(o.value_name) + "` | " +
-            smallRange(o.kind == Kind::kInteger, o.low, o.high) + "default " +
+    text += "| `-" + o.name + " " + escaped(o.value_name) + "` | " + o.range + "default " +
             escaped(o.default_text) + " | " + escaped(o.help) + " |\n";
   }
   return text;
 }
 
 namespace {
-
-template <typename T>
-bool parseWhole(const std::string& text, T& value) {
-  const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
-  return result.ec == std::errc() && result.ptr == end;
-}
-
-bool parseNumber(const std::string& text, double& value) {
-  return parseWhole(text, value) && std::isfinite(value);
-}
-
-std::size_t countParts(const std::string& text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
-}
-
-bool parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values) {
-  std::vector<double> parsed;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    double value = 0.0;
-    if (!parseNumber(text.substr(begin, end - begin), value)) return false;
-    parsed.push_back(value);
-    begin = end + 1;
-  }
-  if (parsed.size() != count) return false;
-  values = parsed;
-  return true;
-}
-
-std::string rangeText(double low, double high) {
-  if (high >= 1e18) return low > -1e18 ? " of at least " + numberText(low) : std::string();
-  return " from " + numberText(low) + " to " + numberText(high);
-}
-
-/** Stores a whole number; returns what is wanted instead, or an empty text. */
-template <typename T>
-std::string assignWhole(const std::string& text, double low, double high, void* target) {
-  T value = 0;
-  const bool read = parseWhole(text, value);
-  const auto v = static_cast<double>(value);
-  if (!read || v < low || v > high) return "a whole number" + rangeText(low, high);
-  *static_cast<T*>(target) = value;
-  return "";
-}
 
 /** An option's name and, after "=", its value, of a word that starts with one dash or two. */
 struct OptionWord {
@@ -303,40 +310,6 @@ std::vector<std::string> plainArguments(int argc, const char* const* argv) {
   return plain;
 }
 
-/** Stores a value; returns what the option wants instead, or an empty text. */
-std::string OptionTable::assign(Option& option, const std::string& value) {
-  switch (option.kind) {
-    case Kind::kInteger: return assignWhole<int>(value, option.low, option.high, option.target);
-    case Kind::kUnsigned:
-      return assignWhole<std::uint64_t>(value, option.low, option.high, option.target);
-    case Kind::kNumber: {
-      double v = 0.0;
-      if (!parseNumber(value, v) || v < option.low || v > option.high) {
-        return "a number" + rangeText(option.low, option.high);
-      }
-      *static_cast<double*>(option.target) = v;
-      return "";
-    }
-    case Kind::kToggle: {
-      const std::optional<bool> on = switchValue(value);
-      option.turn(on.value_or(false));
-      return on ? "" : "0 or 1";
-    }
-    case Kind::kText:
-      *static_cast<std::string*>(option.target) = value;
-      return value.empty() ? option.value_name : "";
-    case Kind::kChoice:
-      *static_cast<std::string*>(option.target) = value;
-      return std::count(option.words.begin(), option.words.end(), value) ? "" : option.value_name;
-    case Kind::kNumbers:
-      return parseNumbers(value, countParts(option.value_name),
-                          *static_cast<std::vector<double>*>(option.target))
-                 ? ""
-                 : "numbers in the form " + option.value_name;
-  }
-  return "";
-}
-
 /** Takes an argument without a dash; the text returned, if any, is a mistake.
  * \param[in] bare the switch before it that has no value, or null. */
 std::string OptionTable::takePositional(const std::string& word, const Option* bare,
@@ -363,12 +336,12 @@ std::string OptionTable::takeOption(Option& option, const std::optional<std::str
   used = !own && (toggle ? switchValue(next).has_value()
                          : following && !(option.kind == Kind::kText && is_name));
   if (toggle && !own && !used) {
-    option.turn(true);
+    option.assign("1");
     return "";
   }
   if (!own && !used) return "option -" + option.name + " needs a value: " + option.value_name;
   const std::string value = own ? *own : next;
-  const std::string wanted = assign(option, value);
+  const std::string wanted = option.assign(value);
   return wanted.empty() ? "" : "option -" + option.name + " got '" + value + "'; give " + wanted;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -38,14 +39,28 @@ class OptionTable {
   /** \brief The next argument without a dash; all of them must be given. */
   void positional(const std::string& name, std::string* target, const std::string& help);
 
-  void integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
-               const std::string& help, const std::string& unset = "");
-  void integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
-               std::uint64_t high, const std::string& help);
-  /** \brief A finite number in [low, high]. \param[in] unset text shown instead of a default 0. */
+  /** \brief A function that takes a value read. */
+  template <typename Value>
+  using Store = std::function<void(Value)>;
+
+  void integer(const std::string& name, const Store<std::int64_t>& store, std::int64_t low,
+               std::int64_t high, const std::string& help, const std::string& default_text);
+  /** \param[in] unset text shown instead of the target's value. */
+  template <typename Whole>
+  void integer(const std::string& name, Whole* target, std::int64_t low, std::int64_t high,
+               const std::string& help, const std::string& unset = "") {
+    integer(
+        name, [target](std::int64_t value) { *target = static_cast<Whole>(value); }, low, high,
+        help, unset.empty() ? std::to_string(*target) : unset);
+  }
+  /** \brief A finite number in [low, high]. */
+  void number(const std::string& name, const Store<double>& store, double low, double high,
+              const std::string& help, const std::string& default_text);
   void number(const std::string& name, double* target, double low, double high,
               const std::string& help, const std::string& unset = "");
   /** \brief A switch: 0 or 1; without a value it is 1. */
+  void toggle(const std::string& name, const Store<bool>& store, const std::string& help,
+              const std::string& default_text);
   void toggle(const std::string& name, bool* target, const std::string& help);
   /** \brief A switch that stays unset unless given. \param[in] unset text shown as its default. */
   void toggle(const std::string& name, std::optional<bool>* target, const std::string& help,
@@ -58,8 +73,13 @@ class OptionTable {
               const std::string& help);
   /** \brief Numbers separated by commas, as many as value_name has parts ("X,Y,Z"); when not
    * given, the target stays empty. */
+  void numbers(const std::string& name, const Store<const std::vector<double>&>& store,
+               const std::string& value_name, const std::string& help);
   void numbers(const std::string& name, std::vector<double>* target, const std::string& value_name,
                const std::string& help);
+  /** \brief Three numbers, or none. */
+  void numbers(const std::string& name, std::optional<std::array<double, 3>>* target,
+               const std::string& value_name, const std::string& help);
   /** \brief Of these options at most one may be given. */
   void exclusive(const std::vector<std::string>& names);
 
@@ -82,16 +102,14 @@ class OptionTable {
   std::string markdown() const;
 
  private:
-  enum class Kind { kInteger, kUnsigned, kNumber, kToggle, kText, kChoice, kNumbers };
+  enum class Kind { kNumber, kToggle, kText };
 
   struct Option {
-    std::string name;
     Kind kind = Kind::kText;
-    void* target = nullptr;
-    double low = 0, high = 0;
-    std::string value_name, help, default_text;
-    std::vector<std::string> words;
-    std::function<void(bool)> turn;  ///< of a switch: sets its target
+    std::string name, value_name, help, default_text;
+    /** Stores a value; returns what is wanted instead, or an empty text. */
+    std::function<std::string(const std::string&)> assign;
+    std::string range = {};  ///< "1 to 4, ", where a help line can show it
     bool given = false;
   };
   struct Positional {
@@ -99,15 +117,10 @@ class OptionTable {
     std::string* target = nullptr;
   };
 
-  Option& add(const std::string& name, Kind kind, void* target, const std::string& help);
-  template <typename Target>
-  void addSwitch(const std::string& name, Target* target, const std::string& default_text,
-                 const std::string& help);
   std::string parseArguments(int argc, const char* const* argv);
   std::string takePositional(const std::string& word, const Option* bare, std::size_t& next);
   std::string takeOption(Option& option, const std::optional<std::string>& own,
                          const char* following, bool& used);
-  std::string assign(Option& option, const std::string& value);
   std::string unknownOption(const std::string& word) const;
   std::string checkExclusive() const;
   std::string syntax() const;

@@ -336,17 +336,17 @@ PlainPoints plainPoints(const CloudView& view) {
 
 }  // namespace
 
-Error estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud) {
+Error estimateNormals(int k, const std::optional<std::array<double, 3>>& viewpoint, int threads,
+                      CloudFile& cloud) {
   const PlainPoints plain = plainPoints(cloud.view());
   cloud.normals.assign(cloud.size() * 3, 0.0f);
   cloud.normal_source = NormalSource::kEstimated;
   if (plain.source.empty()) return {};
   FitParams params;
   params.threads = threads;
-  params.viewpoint.emplace();
-  const std::array<double, 3> sensor = cloud.sensor();
+  params.viewpoint = viewpoint.value_or(cloud.sensor());
   for (std::size_t a = 0; a < 3; ++a)
-    (*params.viewpoint)[a] = plain.local(viewpoint.size() == 3 ? viewpoint[a] : sensor[a], a);
+    (*params.viewpoint)[a] = plain.local((*params.viewpoint)[a], a);
   auto selected = std::make_shared<pcl::Indices>(plain.source.size());
   std::iota(selected->begin(), selected->end(), 0);
   pcl::PointCloud<pcl::Normal> estimated;
@@ -354,8 +354,7 @@ Error estimateNormals(int k, const std::vector<double>& viewpoint, int threads, 
   for (std::size_t i = 0; i < plain.source.size() && !error; ++i) {
     std::memcpy(&cloud.normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
   }
-  if (!cloud.sensors.empty() && viewpoint.empty() && !error)
-    faceSensors(cloud.view(), cloud.normals);
+  if (!cloud.sensors.empty() && !viewpoint && !error) faceSensors(cloud.view(), cloud.normals);
   return error;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,10 +62,11 @@ ColorView colorsOf(const CloudFile& cloud);
 
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
  *
- * They point to the viewpoint (world coordinates; empty: the points' sensors, or the file's).
+ * They point to the viewpoint (world coordinates; none: the points' sensors, or the file's).
  * \param[in] threads 0: all cores. \return an error for a k beyond the number of finite points.
  */
-Error estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
+Error estimateNormals(int k, const std::optional<std::array<double, 3>>& viewpoint, int threads,
+                      CloudFile& cloud);
 
 /** \brief Appends the points of further registered frames to those of a first one.
  *

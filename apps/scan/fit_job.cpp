@@ -2,13 +2,13 @@
 #include "scan/fit_job.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/io/trajectory.h"
@@ -18,7 +18,6 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr std::uint64_t kMany = 1000000000000000000u;
 constexpr double kBytesOfPoint = 60;  ///< that a fit takes at least while the store is built
 
 const char* normalSourceName(NormalSource source) {
@@ -30,83 +29,104 @@ const char* normalSourceName(NormalSource source) {
   }
 }
 
+/** Number, of a Number or an std::optional of one. */
+template <typename Value>
+struct NumberOf {
+  using Type = Value;
+};
+template <typename Value>
+struct NumberOf<std::optional<Value>> {
+  using Type = Value;
+};
+
+/** The value that help shows: in words where the parameter has none. */
+template <typename Holder, typename Value>
+std::string shownDefault(const FitParams& params, const FitParameter& row, Value Holder::*member) {
+  if constexpr (std::is_same_v<Holder, FitParams> && std::is_arithmetic_v<Value>) {
+    if (*row.option.unset == '\0') return numberText(static_cast<double>(params.*member));
+  }
+  return row.option.unset;
+}
+
+/** Adds the option of one parameter, which is read into the job's parameters. */
+template <typename Holder, typename Value>
+void declareMember(OptionTable& options, FitParams& params, const FitParameter& row,
+                   const std::string& help, Value Holder::*member) {
+  using Number = typename NumberOf<Value>::Type;
+  const auto& [low, high, unset, parts, on, read] = row.option;
+  const std::string shown = shownDefault(params, row, member);
+  if constexpr (std::is_same_v<Number, std::array<double, 3>>) {
+    options.numbers(row.name, &(params.*member), parts, help);
+  } else if constexpr (std::is_same_v<Number, bool>) {
+    options.toggle(
+        row.name, [&params, member](bool value) { params.*member = value; }, help, shown);
+  } else if constexpr (std::is_integral_v<Number>) {
+    const auto store = [&params, member](std::int64_t value) {
+      setParameter(params, member, static_cast<Number>(value));
+    };
+    options.integer(row.name, store, static_cast<std::int64_t>(low),
+                    static_cast<std::int64_t>(high), help, shown);
+  } else if (on) {
+    const auto store = [&params, member, value = *on](bool chosen) {
+      setParameter(params, member, chosen ? value : 0.0);
+    };
+    options.toggle(row.name, store, help, shown);
+  } else {
+    const auto store = [&params, member](double value) { setParameter(params, member, value); };
+    options.number(row.name, store, low, high, help, shown);
+  }
+}
+
+void declareParameter(OptionTable& options, FitJob& job, const FitParameter& row,
+                      const std::string& help) {
+  if (row.option.read) {
+    std::string& word = job.words[row.name] = row.option.unset;
+    options.text(row.name, &word, row.option.parts, help);
+    return;
+  }
+  std::visit([&](auto member) { declareMember(options, job.params, row, help, member); },
+             row.member);
+}
+
+void declareParameters(OptionTable& options, FitJob& job, std::initializer_list<FitOption> groups) {
+  for (const FitParameter& row : fitParameters()) {
+    if (std::count(groups.begin(), groups.end(), row.group))
+      declareParameter(options, job, row, row.help);
+  }
+}
+
 }  // namespace
 
 void declareFitOptions(OptionTable& options, FitJob& job) {
-  options.integer("degree", &job.given.degree, 1, 4, "degree of the polynomials",
-                  "4, with -sharp 2");
-  options.number("penalty", &job.given.penalty, 1e-6, 1e6,
-                 "weight of the price of a coefficient; larger is smoother", "3, with -sharp 1");
-  options.number("t_mdl", &job.given.t_mdl, 1e-9, 1e3, "the paper's T_MDL in place of -penalty",
-                 "off");
-  options.number("target_error", &job.given.target_error, 1e-12, 1,
-                 "RMS residual to reach, as a share of the box diagonal", "off");
-  options.integer("max_surfels", &job.given.max_surfels, 0, kMany,
-                  "most leaves allowed; 0: as many as it takes");
-  options.number("noise_factor", &job.given.noise_factor, 1e-6, 1e30,
-                 "residuals and penalty as if the noise variance were X times as large: what "
-                 "-target_error and -max_surfels solve for",
-                 "off");
-  options.number("least_radius", &job.given.least_radius, 0, 1e300,
-                 "radius of the smallest ball, in the scan's units: no finer detail is kept",
-                 "off");
-  options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
-  options.toggle("outliers", &job.params.keep_outliers,
-                 "fit points that stand apart from all others, too");
-  options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
-  options.toggle("local_noise", &job.params.local_noise,
-                 "noise is measured along the scan, not once for all of it", "auto");
-  options.toggle("sides", &job.params.sides,
-                 "give points without normals sides first where parts are thin");
-  options.text("correlation", &job.correlation, "auto|off|N",
-               "points that share their errors, as those of depth cameras do");
-  options.numbers("noise_model", &job.noise_model, "A,B,C",
-                  "RMS error A + B z + C z^2 along the ray at distance z from the sensor");
-  options.toggle("normals_as_data", &job.params.normals_as_data,
-                 "fit points and normals together; for normals measured apart from the points");
-  options.number("normal_error", &job.given.normal_error, 1e-6, 1.5707,
-                 "their RMS error in radians; with -normals_as_data 1", "measured");
-  options.toggle("paper", &job.params.paper_mode,
-                 "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
-  options.toggle("compact", &job.compact,
-                 "leaves cover their whole balls: fewer surfels, thinner overlap");
-  options.number("lambda", &job.given.lambda, 1e-30, 1,
-                 "noise variance, as a share of the squared box diagonal", "estimated");
-  declareSensorOptions(options, job,
-                       "the side that the normals of a scan without normals shall face");
+  declareParameters(options, job, {FitOption::kFit, FitOption::kScan});
+  declareSensorOptions(options, job);
   options.text("frame_field", &job.frame_field, "NAME",
                "field of a merged scan that numbers its frames: each one's noise is its own");
   options.exclusive({"frames", "frame_field"});
   options.integer("estimate_normals", &job.normal_neighbours, 0, 10000,
                   "estimate normals from N neighbours, as PCL does; 0: none");
   options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
-  options.integer("threads", &job.params.threads, 0, 4096,
-                  "threads, 0: all cores; never changes the result");
-  options.integer("seed", &job.params.seed, 0, kMany,
-                  "seed of the order in which centres are tried");
-  options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels", "noise_factor"});
-  for (const char* name : {"penalty", "trim", "hole"}) options.exclusive({"paper", name});
-  for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
-  for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
-    options.exclusive({"noise_model", name});
+  declareParameters(options, job, {FitOption::kThreads, FitOption::kRun});
+  for (const auto& names : exclusiveFitParameters())
+    options.exclusive({names.begin(), names.end()});
 }
 
 void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job) {
   options.text("surface", &surface, "FILE",
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job);
-  for (const char* name : {"degree",      "penalty",         "t_mdl",        "target_error",
-                           "max_surfels", "noise_factor",    "least_radius", "outliers",
-                           "robust",      "local_noise",     "sides",        "correlation",
-                           "noise_model", "normals_as_data", "normal_error", "paper",
-                           "compact",     "lambda",          "seed",         "frames",
-                           "frame_field"}) {
-    options.exclusive({"surface", name});
+  for (const FitParameter& row : fitParameters()) {
+    if (row.group == FitOption::kFit || row.group == FitOption::kRun)
+      options.exclusive({"surface", row.name});
   }
+  for (const char* name : {"frames", "frame_field"}) options.exclusive({"surface", name});
 }
 
 void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help) {
-  options.numbers("viewpoint", &job.viewpoint, "X,Y,Z", viewpoint_help);
+  for (const FitParameter& row : fitParameters()) {
+    if (row.group == FitOption::kSensor)
+      declareParameter(options, job, row, viewpoint_help.empty() ? row.help : viewpoint_help);
+  }
   options.text(
       "trajectory", &job.trajectory, "FILE",
       "where the sensor was, over time (TUM, or CSV with time x y z): each point faces its "
@@ -124,10 +144,7 @@ void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& 
 
 void declareTrimOptions(OptionTable& options, FitJob& job) {
   job.params.trim = true;
-  options.toggle("trim", &job.params.trim,
-                 "end the surface where the scan ends, and keep the scan's holes");
-  options.number("hole", &job.params.hole_size, 2, 50,
-                 "diameter of the smallest hole kept, in spacings of the points");
+  declareParameters(options, job, {FitOption::kTrim});
 }
 
 void declareColorOption(OptionTable& options, FitJob& job) {
@@ -135,51 +152,11 @@ void declareColorOption(OptionTable& options, FitJob& job) {
   options.toggle("color", &job.color, "give the surface the colours of the scan's points");
 }
 
-namespace {
-
-/** Three numbers, if they were given. */
-std::optional<std::array<double, 3>> triple(const std::vector<double>& numbers) {
-  if (numbers.size() != 3) return std::nullopt;
-  return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
-}
-
-/** Transfers -correlation, -noise_model, -lambda and -normal_error to the parameters. */
-Error finishNoiseOptions(FitJob& job) {
-  FitParams& params = job.params;
-  if (job.correlation == "off") {
-    params.noise_correlation = 1;
-  } else if (job.correlation != "auto") {
-    char* end = nullptr;
-    const double points = std::strtod(job.correlation.c_str(), &end);
-    params.noise_correlation = points;
-    if (*end != '\0' || !(points >= 1))
-      return {ErrorCode::kBadArgument,
-              "-correlation '" + job.correlation + "' is neither auto, off nor a number from 1 on"};
-  }
-  params.noise_model = triple(job.noise_model);
-  params.lambda = unlessZero(job.given.lambda);
-  params.normal_error = unlessZero(job.given.normal_error);
-  return {};
-}
-
-/** What decides how fine the surface is: of these options one can be given. */
-SizeRule sizeRule(const FitJob::Given& given) {
-  if (given.t_mdl > 0) return MDLThreshold{given.t_mdl};
-  if (given.target_error > 0) return TargetError{given.target_error};
-  if (given.max_surfels > 0) return MaxSurfels{given.max_surfels};
-  if (given.noise_factor > 0) return NoiseFactor{given.noise_factor};
-  return PenaltyWeight{unlessZero(given.penalty)};
-}
-
-}  // namespace
-
 Error finishFitOptions(FitJob& job) {
-  if (Error error = finishNoiseOptions(job)) return error;
-  job.params.degree = unlessZero(job.given.degree);
-  job.params.size = sizeRule(job.given);
-  job.params.least_radius = unlessZero(job.given.least_radius);
-  if (job.compact) job.params.cover_radius = 1.0;
-  job.params.viewpoint = triple(job.viewpoint);
+  for (const FitParameter& row : fitParameters()) {
+    if (!row.option.read) continue;
+    if (Error error = row.option.read(job.words[row.name], job.params)) return error;
+  }
   if (job.normal_neighbours == 1 || job.normal_neighbours == 2) {
     return {ErrorCode::kBadArgument,
             "a normal needs 3 neighbours or more; raise -estimate_normals"};
@@ -197,7 +174,7 @@ Error placeSensors(const FitJob& job, CloudFile& cloud) {
           ErrorCode::kBadArgument,
           "-time_field and -time_offset need -trajectory: name the file of the sensor's places"};
     }
-    if (!job.viewpoint.empty()) cloud.sensors.clear();
+    if (job.params.viewpoint) cloud.sensors.clear();
     return {};
   }
   const Result<Trajectory> trajectory = loadTrajectory(job.trajectory);
@@ -244,7 +221,7 @@ std::size_t countPlaces(const CloudFile& cloud, std::size_t most) {
 std::string frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames) {
   std::string note = counted(frames, "frame");
   if (!job.frame_field.empty()) return note + ", numbered by field " + job.frame_field;
-  if (!job.viewpoint.empty() || !job.trajectory.empty()) return note;
+  if (job.params.viewpoint || !job.trajectory.empty()) return note;
   const std::size_t places = countPlaces(cloud, frames);
   if (places == 0) return note + ", whose VIEWPOINTs are 0: no sensor is known";
   if (places == frames) return note + ", each with its own sensor";
@@ -293,7 +270,7 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
   if (job.normal_neighbours > 0) {
     console.begin("Estimating normals");
     const Error error =
-        estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+        estimateNormals(job.normal_neighbours, job.params.viewpoint, job.params.threads, *cloud);
     if (error) return console.failed(error);
     report.time("normals", console.seconds());
     console.done(std::to_string(job.normal_neighbours) + " neighbours");
@@ -321,55 +298,20 @@ Error loadGiven(const std::string& path, Console& console, Report& report, SLIMS
 
 namespace {
 
-/** Why options about the noise had no effect, one line each. */
-void addNoiseNotes(const FitParams& params, const FitStatistics& fit,
-                   std::vector<std::string>& notes) {
-  const char* given = params.lambda           ? "-lambda"
-                      : params.hasThreshold() ? "-t_mdl"
-                      : params.paper_mode     ? "-paper"
-                                              : nullptr;
-  if (params.local_noise == true && fit.noise.correlation > 1 && !given)
-    notes.push_back("  -local_noise has no effect: shared noise is measured along the scan anyway");
-  if (params.local_noise == false && given)
-    notes.push_back(std::string("  -local_noise has no effect: with ") + given +
-                    " noise is the same everywhere");
-  if (params.noise_correlation == 1 && given)
-    notes.push_back(std::string("  -correlation has no effect: with ") + given +
-                    " errors count as independent");
-}
-
-/** Why -sides 0 had no effect, or null. */
-const char* whyNoSides(const FitParams& params, const FitStatistics& fit) {
-  if (params.sides) return nullptr;
-  if (fit.sides.source == SideSource::kNormals) return "the scan has normals";
-  if (fit.sides.source == SideSource::kViewpoint) return "a viewpoint gives the sides";
-  if (params.paper_mode || params.hasThreshold()) return "-paper and -t_mdl give points no sides";
-  if (fit.noise.line > 0) return "points on scan lines get no sides";
-  return nullptr;
-}
-
 /** Options that had no effect on this scan, one line each. */
 std::vector<std::string> unusedNotes(const FitJob& job, const CloudFile& cloud,
                                      const FitStatistics& fit) {
   std::vector<std::string> notes;
-  addNoiseNotes(job.params, fit, notes);
-  const auto* most = std::get_if<MaxSurfels>(&job.params.size);
-  if (most && fit.noise_factor == 1) {
-    notes.push_back("  -max_surfels " + std::to_string(most->leaves) +
-                    " has no effect: this scan needs fewer");
-  }
-  if (const char* why = whyNoSides(job.params, fit))
-    notes.push_back(std::string("  -sides has no effect: ") + why);
+  for (const auto& [name, reason] : idleParameters(job.params, fit))
+    notes.push_back("  -" + name + " has no effect: " + reason);
   if (!job.use_normals && cloud.normal_source == NormalSource::kNothing)
     notes.push_back("  -use_normals has no effect: the scan has none");
   if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
     notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
   if (!job.use_normals && job.normal_neighbours > 0)
     notes.push_back("  -use_normals 0 has no effect: estimated normals replace the scan's own");
-  if (!job.params.trim && job.params.hole_size != FitParams().hole_size)
-    notes.push_back("  -hole has no effect: -trim 0 keeps no borders");
-  if (job.params.paper_mode && job.params.keep_outliers)
-    notes.push_back("  -outliers has no effect: -paper fits all points");
+  for (const auto& [name, reason] : overruledParameters(job.params))
+    notes.push_back("  -" + name + " has no effect: " + reason);
   const bool own =
       cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
   const bool places = job.params.viewpoint || !job.trajectory.empty();

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/fit/fit_parameters.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim {
@@ -28,20 +29,13 @@ constexpr const char* kScanHelp =
  * program that fits. */
 struct FitJob {
   FitParams params = withoutTrim();
-  /** \brief Options of parameters that need not be set, as read; 0: not given. */
-  struct Given {
-    int degree = 0;
-    double penalty = 0, t_mdl = 0, target_error = 0, noise_factor = 0;
-    std::uint64_t max_surfels = 0;
-    double least_radius = 0, normal_error = 0, lambda = 0;
-  } given;
-  std::vector<double> viewpoint, noise_model;
+  /** \brief Parameters given by a word, as read, by the option's name. */
+  std::map<std::string, std::string> words;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
   double time_offset = 0;
   std::string frames;       ///< further files of the scan, separated by commas
   std::string frame_field;  ///< field of the numbers of a merged scan's frames
-  std::string correlation = "auto";
-  bool compact = false, use_normals = true;
+  bool use_normals = true;
   bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
   int normal_neighbours = 0;
 };
@@ -53,8 +47,9 @@ void declareFitOptions(OptionTable& options, FitJob& job);
  * no effect with -surface. */
 void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
 
-/** \brief Adds -viewpoint, with this help, and those of a trajectory. */
-void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help);
+/** \brief Adds -viewpoint, with this help unless it is empty, and those of a trajectory. */
+void declareSensorOptions(OptionTable& options, FitJob& job,
+                          const std::string& viewpoint_help = "");
 
 /** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none.
  */
@@ -64,7 +59,7 @@ void declareTrimOptions(OptionTable& options, FitJob& job);
  * none. */
 void declareColorOption(OptionTable& options, FitJob& job);
 
-/** \brief Brings the options read into the parameters and checks them. */
+/** \brief Reads the words given and checks the parameters. */
 Error finishFitOptions(FitJob& job);
 
 /** \brief The files that a job reads besides the scan itself, after others; empty names: none. */

@@ -104,7 +104,7 @@ Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tile
   // Loading the scan reports any other defect than a form that cannot be streamed.
   if (!layout) return needed ? layout.error() : Error();
   const bool fits = fitsInMemory(layout->count, tiles);
-  if (layout->has_sensors && !layout->normal && job.viewpoint.empty()) {
+  if (layout->has_sensors && !layout->normal && !job.params.viewpoint) {
     const Error own{ErrorCode::kBadArgument,
                     "the sensors of single points (vp_x vp_y vp_z) are not used by tiles: give one "
                     "-viewpoint, or -tile_points 0"};

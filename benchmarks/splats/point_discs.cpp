@@ -2,8 +2,10 @@
 // point_discs: draws a scan's points as discs in the planes of their nearest neighbours, so that
 // pictures show the points themselves and their noise, before and after smoothing.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,7 +68,7 @@ int fail(const Error& error) {
 
 int main(int argc, char** argv) {
   std::string input, output;
-  std::vector<double> viewpoint;
+  std::optional<std::array<double, 3>> viewpoint;
   int neighbours = 10;
   double radius = 0;
   OptionTable options("point_discs", "1", "Draws each point of a scan as a grey disc.");

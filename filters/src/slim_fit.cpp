@@ -51,16 +51,6 @@ bool SLIMFitBase::getViewPoint(double& x, double& y, double& z) const {
   return true;
 }
 
-void SLIMFitBase::setNoiseModel(double a, double b, double c) {
-  params_.noise_model = std::array<double, 3>{a, b, c};
-}
-
-bool SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const {
-  if (!params_.noise_model) return false;
-  std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
-  return true;
-}
-
 void SLIMFitBase::clearResults() {
   ControlledRun::clearResults();
   statistics_ = {};

@@ -46,31 +46,45 @@ std::optional<Number> unlessZero(Number value) {
 }
 
 /** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
- * the bounding-box diagonal. */
+ * the bounding-box diagonal. fit_parameters.h has their names, ranges and help. */
 struct PCL_SLIM_EXPORT FitParams {
   std::optional<int> degree;     ///< of polynomials, 1..4; unset: 4, or 2 with sharp features
   SizeRule size;                 ///< how fine the surface is
   std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
-  std::optional<double>
-      cover_radius;              ///< alpha in (0, 1], 1 is the compact setting; unset: 2/3, and
-  double cover_threshold = 0.1;  ///< gamma > 0
-  std::optional<double> least_radius;  ///< > 0, world units: no ball is narrower, so that no finer
-  bool sharp_features =
-      false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
+  /// alpha in (0, 1]: leaves cover the points within alpha r, 1 is the compact setting; unset: 2/3,
+  /// and .55 for leaves of a large effective count
+  std::optional<double> cover_radius;
+  double cover_threshold = 0.1;  ///< gamma > 0: a point is covered from this sum of weights on
+  /// > 0, world units: no ball is narrower, so that no finer detail is kept and the rims of sharp
+  /// edges are as wide
+  std::optional<double> least_radius;
+  /// keep sharp edges: only points with n . n_c > 1/2; no effect without normals
+  bool sharp_features = false;
   bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
   bool keep_outliers = false;  ///< fit points that are far from all others, too (findOutliers())
-  std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
-  std::optional<double> noise_correlation;  ///< number of points that share an error; unset:
+  /// lambda varies over the cloud: noisy parts are smoothed more than clean ones; unset: where
+  /// neighbouring points share errors, or the noise of some parts would be taken for detail
+  std::optional<bool> local_noise;
+  /// number of points that share an error, as the pixels of a depth camera do; 1: independent
+  /// errors; unset: estimated
+  std::optional<double> noise_correlation;
   /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world
   /// units; needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
-  bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
-  std::optional<double>
-      normal_error;         ///< with it: the normals' RMS error, (0, pi/2] radians; unset:
+  /// fit positions and normals together, by their errors; needs normals measured independently of
+  /// the points, as by photometric stereo or a simulation
+  bool normals_as_data = false;
+  /// with it: the normals' RMS error, (0, pi/2] radians; unset: measured, and normals that follow
+  /// the points' own noise are no data (NoiseStatistics::normals_follow_points)
+  std::optional<double> normal_error;
   bool paper_mode = false;  ///< the choices of Ohtake et al. 2005 throughout
-  bool trim = true;         ///< make trim maps, which end the surface where the data end or
-  double hole_size = 4.0;   ///< with it: diameter of the smallest hole kept, in spacings of the
-  bool sides = true;   ///< without normals and viewpoint: give points sides before the cover where
+  /// make trim maps, which end the surface where the data end or leave holes; never with paper_mode
+  bool trim = true;
+  /// with it: diameter of the smallest hole kept, in spacings of the points, 2 to 50
+  double hole_size = 4.0;
+  /// without normals and viewpoint: give points sides before the cover where balls would meet both
+  /// sides of thin parts
+  bool sides = true;
   bool orient = true;  ///< without normals: sign the output by the leaves' graph
   /// sign the output towards this place instead, world coordinates; unset: towards the sensors of
   /// the store's points, or its only sensor

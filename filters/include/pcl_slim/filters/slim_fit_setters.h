@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "pcl_slim/fit/fit_parameters.h"
+
+namespace pcl_slim {
+
+#define PCL_SLIM_PARAMETER(Value, Name, member) \
+  void set##Name(Value value) {                 \
+    setParameter(params_, &member, value);      \
+  }                                             \
+  Value get##Name() const {                     \
+    return getParameter(params_, &member);      \
+  }
+
+/** \brief A setter and a getter for each parameter that SLIMFitBase has in params() only.
+ *
+ * FitParams documents each and its default; 0 unsets a parameter where FitParams has an optional.
+ */
+class SLIMFitSetters {
+ public:
+  PCL_SLIM_PARAMETER(double, NoiseFactor, NoiseFactor::factor)
+  PCL_SLIM_PARAMETER(double, NoiseLevel, FitParams::lambda)
+  PCL_SLIM_PARAMETER(double, CoverRadius, FitParams::cover_radius)
+  PCL_SLIM_PARAMETER(double, CoverThreshold, FitParams::cover_threshold)
+  PCL_SLIM_PARAMETER(double, LeastRadius, FitParams::least_radius)
+  PCL_SLIM_PARAMETER(bool, SharpFeatures, FitParams::sharp_features)
+  PCL_SLIM_PARAMETER(bool, KeepOutliers, FitParams::keep_outliers)
+  PCL_SLIM_PARAMETER(bool, Robust, FitParams::robust)
+  PCL_SLIM_PARAMETER(bool, Sides, FitParams::sides)
+  PCL_SLIM_PARAMETER(double, NoiseCorrelation, FitParams::noise_correlation)
+  PCL_SLIM_PARAMETER(bool, NormalsAsData, FitParams::normals_as_data)
+  PCL_SLIM_PARAMETER(double, NormalError, FitParams::normal_error)
+  PCL_SLIM_PARAMETER(bool, Trimming, FitParams::trim)
+  PCL_SLIM_PARAMETER(double, HoleSize, FitParams::hole_size)
+  PCL_SLIM_PARAMETER(bool, Orientation, FitParams::orient)
+  PCL_SLIM_PARAMETER(bool, PaperMode, FitParams::paper_mode)
+  void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
+  std::optional<bool> getLocalNoise() const { return params_.local_noise; }
+  void setNoiseModel(double a, double b, double c) { params_.noise_model = {a, b, c}; }
+  /** \brief \return whether a model is set, and then writes it. */
+  bool getNoiseModel(double& a, double& b, double& c) const {
+    if (params_.noise_model) std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
+    return params_.noise_model.has_value();
+  }
+  void clearNoiseModel() { params_.noise_model.reset(); }
+
+ protected:
+  SLIMFitSetters() = default;
+  ~SLIMFitSetters() = default;
+
+  FitParams params_;
+};
+
+#undef PCL_SLIM_PARAMETER
+
+}  // namespace pcl_slim
