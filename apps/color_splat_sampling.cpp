@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
 #include <cstdio>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/run_program.h"
 #include "pcl_slim/cloud/store_frame.h"
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
-#include "scan/scan_program.h"
+#include "scan/fit_job.h"
+#include "scan/scan_files.h"
 
 namespace {
 
@@ -76,8 +77,9 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-/** Transfers the options to the parameters and checks what needs no input. */
-Error finishSettings(Settings& s) {
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(const OptionTable& options, Settings& s) {
+  s.neighbors_given = options.given("estimate_normals");
   s.params.min_points = static_cast<std::uint32_t>(s.min_points);
   if (s.color == "gradient") s.params.color = SplatColor::kGradient;
   if (s.color == "own") s.params.color = SplatColor::kOwn;
@@ -85,7 +87,8 @@ Error finishSettings(Settings& s) {
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
   if (Error error = checkPointExtension(s.files.output)) return error;
   if (Error error = checkFilesDiffer(s.files, filesRead(s.scan))) return error;
-  return s.params.validate();
+  if (Error error = s.params.validate()) return error;
+  return limitMemory(s.files.max_memory);
 }
 
 void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
@@ -166,17 +169,25 @@ Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& sp
   return {};
 }
 
-Error makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report,
-                 ScanResult& result) {
-  const auto splats = std::make_shared<SplatSet>();
-  if (Error error = sample(s, cloud, console, report, *splats)) return error;
-  if (console.interrupted()) return {};
-  if (Error error = lookForHoles(s, cloud, *splats, console, report)) return error;
-  result.save = [&s, splats, shift = fileShift(cloud.view(false))] {
-    return savePointFile(s.files.output, toPointFile(*splats, shift));
-  };
-  result.detail = std::to_string(splats->size()) + " splats";
-  return {};
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(options, s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options.program(), options.version(), s.files.input,
+                resolveThreads(s.params.threads));
+
+  const Result<CloudFile> scan = loadScan(s.files.input, s.scan, console, report);
+  if (!scan) return Exit::usage(scan.error());
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+
+  SplatSet splats;
+  if (Error error = sample(s, *scan, console, report, splats)) return error;
+  if (Error error = lookForHoles(s, *scan, splats, console, report)) return error;
+  return saveOutput(
+      s.files.output, s.files.json,
+      [&] {
+        return savePointFile(s.files.output, toPointFile(splats, fileShift(scan->view(false))));
+      },
+      std::to_string(splats.size()) + " splats", console, report);
 }
 
 }  // namespace
@@ -184,14 +195,5 @@ Error makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& 
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {
-      [&] {
-        s.neighbors_given = options.given("estimate_normals");
-        return finishSettings(s);
-      },
-      {},
-      [&](const CloudFile* cloud, auto&... stage) { return makeSplats(s, *cloud, stage...); },
-      {},
-      {}};
-  return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
 }

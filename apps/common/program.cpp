@@ -163,6 +163,7 @@ Error checkOutputs(const std::string& output, const std::string& report) {
 Error saveOutput(const std::string& output, const std::string& report_file,
                  const std::function<Error()>& save, const std::string& detail, Console& console,
                  Report& report) {
+  if (console.interrupted()) return stopped();
   FileTransaction files;
   console.begin("Saving " + output);
   Error error = save();
@@ -177,7 +178,7 @@ Error saveOutput(const std::string& output, const std::string& report_file,
 }
 
 Error commitOutputs(FileTransaction& files) {
-  if (!outlastSignals()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+  if (!outlastSignals()) return stopped();
   return files.commit();
 }
 

@@ -100,7 +100,8 @@ Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::s
 Error checkOutputs(const std::string& output, const std::string& report);
 
 /** \brief The last stage of a program: saves its output and its report and prints it. Both appear,
- * or neither; an older output stays when something fails. Signals end nothing from then on.
+ * or neither; an older output stays when something fails. Work that was interrupted is not saved;
+ * signals end nothing from then on.
  * \param[in] save writes the output; \param[in] detail its contents: "5000 surfels". */
 Error saveOutput(const std::string& output, const std::string& report_file,
                  const std::function<Error()>& save, const std::string& detail, Console& console,

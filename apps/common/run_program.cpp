@@ -163,14 +163,20 @@ std::string memoryLimitText() {
   return limit == 0 ? "" : " within -max_memory " + std::to_string(limit);
 }
 
+Error stopped() {
+  return {ErrorCode::kCancelled, "stopped; nothing is written"};
+}
+
+Exit::Exit(const Error& work) {
+  if (!work) return;
+  const bool cancelled = work.code == ErrorCode::kCancelled;
+  status = cancelled ? kExitInterrupted : kExitFailed;
+  message = cancelled ? stopped().message : work.message;
+}
+
 int fail(const std::string& program, int status, const std::string& message) {
   std::fprintf(stderr, "%s: %s\n", program.c_str(), message.c_str());
   return status;
-}
-
-int failWork(const std::string& program, const Error& error) {
-  const bool stopped = error.code == ErrorCode::kCancelled;
-  return fail(program, stopped ? kExitInterrupted : kExitFailed, error.message);
 }
 
 int guarded(const std::string& program, const std::string& relief,
@@ -188,12 +194,21 @@ int guarded(const std::string& program, const std::string& relief,
 }
 
 int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
-               const std::function<Error()>& check, const std::function<Error()>& work) {
+               const std::function<Exit()>& body) {
   return guarded(options.program(), relief, [&]() -> int {
     if (const auto status = options.parse(argc, argv)) return *status;
-    if (const Error error = check()) return fail(options.program(), kExitUsage, error.message);
-    if (const Error error = work()) return failWork(options.program(), error);
-    return kExitDone;
+    Exit exit = body();
+    if (exit.status == kExitDone) return kExitDone;
+    if (exit.status != kExitInterrupted && receivedSignal() != 0) exit = stopped();
+    return fail(options.program(), exit.status, exit.message);
+  });
+}
+
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Error()>& check, const std::function<Error()>& work) {
+  return runProgram(options, argc, argv, relief, [&]() -> Exit {
+    if (const Error error = check()) return Exit::usage(error);
+    return work();
   });
 }
 

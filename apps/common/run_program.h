@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "common/options.h"
 #include "pcl_slim/core/error.h"
@@ -53,19 +54,40 @@ double memoryLeft();
 /** \brief " within -max_memory 500", or nothing where there is no limit. */
 std::string memoryLimitText();
 
+/** \brief The error of work that a signal stopped. */
+Error stopped();
+
+/** \brief How a program ends: its status and, unless it has done its work, the one line that says why.
+ */
+struct Exit {
+  int status = kExitDone;
+  std::string message;
+
+  Exit() = default;
+  Exit(int exit_status, std::string why) : status(exit_status), message(std::move(why)) {}
+
+  /** \brief The end of work that is done, failed or, where it was cancelled, was interrupted. */
+  Exit(const Error& work);
+
+  /** \brief The end of a program whose options or input cannot be used. */
+  static Exit usage(const Error& error) { return {kExitUsage, error.message}; }
+};
+
 /** \brief Prints "program: message" on stderr. \return the status, to exit with. */
 int fail(const std::string& program, int status, const std::string& message);
-
-/** \brief The same for work that failed: kExitInterrupted if it was cancelled, else kExitFailed. */
-int failWork(const std::string& program, const Error& error);
 
 /** \brief Does a program's work; what it throws becomes one line and kExitFailed.
  * \param[in] relief what helps when memory runs out: "use a smaller scan". */
 int guarded(const std::string& program, const std::string& relief,
             const std::function<int()>& work);
 
-/** \brief A whole program: reads the arguments, then checks them (an error there exits
- * with kExitUsage), then works. Errors are printed. \return the status to exit with. */
+/** \brief A whole program: reads the arguments, runs the body and prints why it failed. After a
+ * signal every failure is that of an interrupted program. \return the status to exit with. */
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Exit()>& body);
+
+/** \brief The same for a body of two parts: an error of check exits with kExitUsage, one of work with
+ * kExitFailed. */
 int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
                const std::function<Error()>& check, const std::function<Error()>& work);
 

@@ -401,6 +401,11 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
   return error;
 }
 
+Exit exitOfTiles(const Error& error) {
+  const bool usage = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kBadArgument;
+  return usage ? Exit::usage(error) : Exit(error);
+}
+
 void removePlan(const std::string& folder) {
   std::error_code code;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {

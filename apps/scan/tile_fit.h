@@ -66,6 +66,10 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
 Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
                  Report& report, SLIMSurface& surface);
 
+/** \brief The end of work that reads its scan while it goes on: of one that cannot be read, or cannot
+ * be fitted by tiles, the end is as of one that could not be loaded. */
+Exit exitOfTiles(const Error& error);
+
 /** \brief Removes what -plan keeps from its folder, once the surface is written. */
 void removePlan(const std::string& folder);
 
