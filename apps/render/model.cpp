@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/render/frame_blocks.h"
@@ -129,29 +128,6 @@ void reportCounts(const Counts& counts, nlohmann::ordered_json& json) {
 }
 
 }  // namespace
-
-Result<FrameSeconds> timeFrames(SurfaceRenderer& renderer, const Camera& camera,
-                                const RenderParams& params, const ShadingParams& shading,
-                                int repeat) {
-  RenderParams needed = params;
-  needed.columns = columnsFor(shading);
-  GBuffer buffer;
-  std::vector<double> frames, shades;
-  for (int i = 0; i <= repeat; ++i) {
-    Camera moved = camera;
-    moved.pixel_offset = {0.37 * (i % 3), 0.21 * (i % 5)};
-    const Stopwatch frame;
-    if (Error error = renderer.render(moved, needed, buffer)) return error;
-    const double frame_seconds = frame.seconds();
-    const Stopwatch shade_time;
-    const auto image = shade(buffer, moved, shading, renderer.surface().info.scale);
-    if (!image) return image.error();
-    if (i == 0) continue;  // the first frame allocates its buffers
-    frames.push_back(frame_seconds);
-    shades.push_back(shade_time.seconds());
-  }
-  return FrameSeconds{median(frames), median(shades)};
-}
 
 void reportSurface(const Model& model, const RenderStatistics& counts,
                    nlohmann::ordered_json& json) {

@@ -56,18 +56,6 @@ struct BlockWish {
 /** \brief The same, but of a surface in blocks only those that are wanted. */
 Result<Model> loadModel(const std::string& path, const BlockWish& wish);
 
-/** \brief Medians over warm frames of one ray a pixel. */
-struct FrameSeconds {
-  double frame = 0.0;  ///< from the camera to a G-buffer with what the mode needs
-  double shade = 0.0;  ///< from there to a picture
-};
-
-/** \brief Times frames after a first one that does not count; each camera is shifted by a part of a
- * pixel against the last, so that nothing repeats. \param[in] repeat at least 1 */
-Result<FrameSeconds> timeFrames(SurfaceRenderer& renderer, const Camera& camera,
-                                const RenderParams& params, const ShadingParams& shading,
-                                int repeat);
-
 /** \brief Adds what a surface is and what its pictures cost and left out to a report. */
 void reportSurface(const Model& model, const RenderStatistics& counts,
                    nlohmann::ordered_json& json);
