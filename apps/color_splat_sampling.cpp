@@ -87,8 +87,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
   if (Error error = checkPointExtension(s.files.output)) return error;
   if (Error error = checkFilesDiffer(s.files, filesRead(s.scan))) return error;
-  if (Error error = s.params.validate()) return error;
-  return limitMemory(s.files.max_memory);
+  return s.params.validate();
 }
 
 void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {

@@ -49,7 +49,6 @@ OptionTable declareOptions(const char* program, Settings& s) {
 /** Completes the settings and checks what can be checked before the input is read. */
 Error finishSettings(const OptionTable& options, Settings& s) {
   s.tiles.asked = options.given("tile_points");
-  s.tiles.max_memory = s.files.max_memory;
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
   if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
@@ -60,7 +59,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
     s.files.output.clear();
     s.files.json.clear();
   }
-  return limitMemory(s.files.max_memory);
+  return {};
 }
 
 /** A name for the blocks of a surface that is written in another form. */

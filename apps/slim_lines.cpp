@@ -57,8 +57,7 @@ Error finishSettings(Settings& s) {
   s.crest.ravines = s.type != "ridges";
   s.crest.peak_significance = kPeak * s.crest.significance;
   s.crest.threads = s.job.params.threads;
-  if (Error error = s.crest.validate()) return error;
-  return limitMemory(s.files.max_memory);
+  return s.crest.validate();
 }
 
 CrestView viewOf(const Settings& s, const SLIMSurface& surface) {

@@ -75,8 +75,7 @@ Error finishSettings(Settings& s) {
           checkPlaces(filesRead(s.job, {s.files.input, s.surface}), {s.files.output, s.files.json}))
     return error;
   s.mesh.threads = s.job.params.threads;
-  if (Error error = s.mesh.validate()) return error;
-  return limitMemory(s.files.max_memory);
+  return s.mesh.validate();
 }
 
 /** What a mesh is made from. */

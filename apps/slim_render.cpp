@@ -3,11 +3,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/frame_blocks.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/model.h"
@@ -31,7 +34,6 @@ struct Settings {
   PageRequest page;
   double near_plane = 0.0, lod = 0.0, hole = 0.0;
   int threads = 0, turntable = 1;
-  std::uint64_t max_memory = 0;
   bool filtered = true, trim = true, quiet = false;
 };
 
@@ -64,7 +66,7 @@ OptionTable declareOptions(Settings& s) {
                "draw coarser surfels where they are seen smaller than this many pixels");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
-  declareMemoryLimit(table, &s.max_memory);
+  declareMemoryLimit(table);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -253,18 +255,62 @@ bool wantsBlock(const Settings& s, const WorldBox& box) {
   return !hasOneView(s) || !s.view.given || mayBeSeen(*s.view.given, box);
 }
 
-/** What of a surface in blocks is read. With level of detail a camera of the program's own choice
- * looks at the levels above the tiles, unless a region has to be found first, and is a given one
- * from then on. */
-BlockWish blocksFor(Settings& s, bool& opens) {
-  BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); }, s.lod, {}};
-  if (!hasOneView(s) || (!s.view.given && !s.region.sides.empty())) return wish;
-  wish.camera = [&s, &opens](const BoundingSpheres& above) {
-    opens = s.view.opens(above);
-    s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(above);
-    return *s.view.given;
-  };
-  return wish;
+/** Which blocks of a surface with level of detail are drawn. A camera of the program's own choice
+ * looks at the levels above the tiles, and is a given one from then on. */
+Result<std::vector<bool>> blocksInDetail(Settings& s, SlimBlockReader& reader, bool& opens) {
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> above;
+  for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
+  Result<SLIMSurface> coarse = reader.load(above);
+  if (!coarse) return coarse.error();
+  if (coarse->empty()) return std::vector<bool>(above.size(), true);
+  coarse->buildLinks();
+  const BoundingSpheres spheres = spheresOf(*coarse);
+  opens = s.view.opens(spheres);
+  s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(spheres);
+  return blocksOfFrame(directory, *coarse, *s.view.given, s.lod);
+}
+
+/** Of a surface in blocks only what the picture may show. */
+Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, bool& opens) {
+  const SlimDirectory& directory = reader.directory();
+  Result<std::vector<bool>> blocks = std::vector<bool>(directory.blocks.size(), true);
+  // Of a region the part with surface has to be found before a camera can be chosen.
+  if (s.lod > 0.0 && hasOneView(s) && (s.view.given || s.region.sides.empty()))
+    blocks = blocksInDetail(s, reader, opens);
+  if (!blocks) return blocks.error();
+  for (std::size_t b = 0; b < blocks->size(); ++b)
+    (*blocks)[b] = (*blocks)[b] && wantsBlock(s, directory.boxOf(directory.blocks[b]));
+  Result<SLIMSurface> surface = reader.load(*blocks);
+  if (!surface) return surface.error();
+  surface->buildLinks();
+  Model model;
+  model.surface = std::move(*surface);
+  model.blocks = blocks->size();
+  model.blocks_read = reader.blocksRead();
+  model.box = directory.box();
+  return model;
+}
+
+/** Loads what is drawn, with the borders that it is to have. \param[out] opens whether a camera that
+ * was chosen looks into the object */
+Result<Model> loadDrawn(Settings& s, bool& opens, Console& console, Report& report) {
+  console.begin("Loading " + s.input);
+  SlimBlockReader reader;
+  const bool in_blocks = lowerExtension(s.input) == ".slim" && !reader.open(s.input);
+  Result<Model> model = in_blocks ? loadBlocks(s, reader, opens) : loadModel(s.input);
+  if (!model) return console.failed(model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
+  model->surface.closeHoles(s.hole, s.threads);
+  report.time("load", console.seconds());
+  if (model->blocks > 0)
+    report.json()["blocks"] = {{"count", model->blocks}, {"read", model->blocks_read}};
+  console.done(model->describe());
+  if (model->skipped > 0) {
+    console.note("  splats left out: " + std::to_string(model->skipped) +
+                 " not finite or without a normal");
+  }
+  return model;
 }
 
 /** Completes the settings and checks what can be checked before the input is read. */
@@ -279,7 +325,6 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   if (!PageRequest::isPage(s.output)) {
     if (Error error = checkImageExtension(s.output)) return error;
   }
-  if (Error error = limitMemory(s.max_memory)) return error;
   return checkPlaces({s.input, s.lines.file, s.view.camera},
                      {Turntable::path(s.output, 0, s.turntable), s.save_camera, s.json});
 }
@@ -332,9 +377,8 @@ Exit run(const OptionTable& options, Settings& s) {
   Report report(options.program(), options.version(), s.input, resolveThreads(s.threads));
 
   bool opens = false;
-  Result<Model> model =
-      loadDrawn(s.input, blocksFor(s, opens), s.trim, s.hole, s.threads, console, report);
-  if (!model) return Exit::usage(console.failed(model.error()));
+  Result<Model> model = loadDrawn(s, opens, console, report);
+  if (!model) return Exit::usage(model.error());
   if (model->is_splats && s.lines.any()) {
     return Exit::usage(console.failed(
         {ErrorCode::kBadArgument,

@@ -51,8 +51,7 @@ Error finishSettings(Settings& s) {
     return {ErrorCode::kBadArgument, "say how many points: give -spacing or -number"};
   if (Error error = s.sampling.validate()) return error;
   if (Error error = checkPointExtension(s.files.output, true)) return error;
-  if (Error error = checkFilesDiffer(s.files, filesRead(s.job))) return error;
-  return limitMemory(s.files.max_memory);
+  return checkFilesDiffer(s.files, filesRead(s.job));
 }
 
 /** Points are doubles where floats would move them by a share of their spacing. */

@@ -19,7 +19,7 @@ namespace pcl_slim {
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
  * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While
- * it lives, Ctrl-C cancels the running work through progress() (see endOnSignals()).
+ * it lives, Ctrl-C cancels the running work through progress() (see runProgram()).
  */
 class Console {
  public:

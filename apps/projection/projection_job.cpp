@@ -20,15 +20,12 @@ void declareProjection(OptionTable& options, ProjectionJob& job) {
 
 Error finishProjection(const OptionTable& options, ProjectionJob& job) {
   job.tiles.asked = options.given("tile_points");
-  job.tiles.max_memory = job.files.max_memory;
   job.projection.threads = job.fit.params.threads;
   job.projection.sharp_features = job.fit.params.sharp_features;
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output, true)) return error;
-  if (Error error = checkPlaces(filesRead(job.fit, {job.files.input, job.surface}),
-                                {job.files.output, job.files.json}))
-    return error;
-  return limitMemory(job.files.max_memory);
+  return checkPlaces(filesRead(job.fit, {job.files.input, job.surface}),
+                     {job.files.output, job.files.json});
 }
 
 Error readSurface(const std::string& path, const CloudFile* near, Console& console, Report& report,

@@ -8,7 +8,7 @@ namespace pcl_slim {
 
 void declareReport(OptionTable& options, ScanFiles& files) {
   options.text("json", &files.json, "FILE", "write a report");
-  declareMemoryLimit(options, &files.max_memory);
+  declareMemoryLimit(options);
   options.toggle("quiet", &files.quiet, "say nothing but errors");
 }
 

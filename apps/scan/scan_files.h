@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,6 @@ namespace pcl_slim {
 /** \brief The files of a program that makes one file of a scan, and whether it is to be quiet. */
 struct ScanFiles {
   std::string input, output, json;  ///< json: the report's file, or none
-  std::uint64_t max_memory = 0;     ///< megabytes; 0: no limit
   bool quiet = false;
 };
 

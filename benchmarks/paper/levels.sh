@@ -34,7 +34,7 @@ for far in 1 2 4 8; do
     name=$work/${detail}_$far
     render "$name.png" -lod $detail -camera "$work/camera.txt" -threads 1
     # shellcheck disable=SC2086
-    row+=" $("$bin/frame_bench" "$work/statue.slim" $size -lod $detail -camera "$work/camera.txt" -repeat 5 -threads 1 |
+    row+=" $("$bin/frame_times" "$work/statue.slim" $size -lod $detail -camera "$work/camera.txt" -repeat 5 -threads 1 |
       awk '{ printf "%.0f", 1000 * $2 }') |"
   done
   echo "$row"

@@ -308,7 +308,6 @@ struct Settings {
   demo::ScanParams scan;
   std::string output, json;
   bool quiet = false;
-  std::uint64_t max_memory = 0;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -323,7 +322,7 @@ OptionTable declareOptions(Settings& s) {
   options.integer("seed", &s.scan.seed, 0, 1000000000000, "start of the random numbers");
   options.toggle("organized", &s.scan.organized, "one tripod's grid, NaN where nothing was hit");
   options.integer("threads", &s.scan.threads, 0, 1024, "threads, 0: all cores");
-  declareMemoryLimit(options, &s.max_memory);
+  declareMemoryLimit(options);
   options.text("json", &s.json, "FILE", "write a report");
   options.toggle("quiet", &s.quiet, "print nothing");
   return options;
@@ -333,7 +332,6 @@ Error checkSettings(const Settings& s) {
   if (lowerExtension(s.output) != ".pcd")
     return {ErrorCode::kBadArgument, "the scan '" + s.output + "' must be named .pcd"};
   if (Error error = checkPlaces({}, {s.output, s.json})) return error;
-  if (Error error = limitMemory(s.max_memory)) return error;
   return checkMemory(kBytesOfPoint * static_cast<double>(s.scan.points), "such a scan");
 }
 

@@ -26,7 +26,7 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable table("frame_bench", "", "Prints the median seconds of a frame and of its shading.");
+  OptionTable table("frame_times", "", "Prints the median seconds of a frame and of its shading.");
   table.positional("IN.slim", &s.input, "surface of pcl_slim_fit");
   s.view.declareSize(table);
   s.picture.declareColors(table);
