@@ -6,7 +6,6 @@
 
 #include "common/run_program.h"
 #include "pcl_slim/cloud/store_frame.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
@@ -171,8 +170,7 @@ Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& sp
 Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.params.threads));
+  Report report(options, s.files.input, s.params.threads);
 
   const Result<CloudFile> scan = loadScan(s.files.input, s.scan, console, report);
   if (!scan) return Exit::usage(scan.error());

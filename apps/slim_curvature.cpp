@@ -78,8 +78,7 @@ PointFile withCurvatures(const PointFile& file, const CloudProjection& projectio
 Exit run(const OptionTable& options, ProjectionJob& job) {
   if (Error error = finishProjection(options, job)) return Exit::usage(error);
   Console console(job.files.quiet);
-  Report report(options.program(), options.version(), job.files.input,
-                resolveThreads(job.fit.params.threads));
+  Report report(options, job.files.input, job.fit.params.threads);
 
   PieceStream pieces(job);  // of a scan that is too large to be loaded
   if (Error error = pieces.open(console)) return Exit::usage(error);

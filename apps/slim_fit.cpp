@@ -9,7 +9,6 @@
 
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
@@ -116,8 +115,7 @@ Exit fitTiles(const Settings& s, PointSource& source, Console& console, Report& 
 Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.job.params.threads));
+  Report report(options, s.files.input, s.job.params.threads);
 
   std::unique_ptr<PointSource> source;  // of a scan that is fitted by tiles
   if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, source))

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/program.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/cloud_projection.h"
@@ -144,8 +143,7 @@ Result<PointStore> storeOf(const Settings& s, const CloudFile& scan) {
 Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.job.params.threads));
+  Report report(options, s.files.input, s.job.params.threads);
 
   const Result<CloudFile> scan = loadScan(s.files.input, s.job, console, report);
   if (!scan) return Exit::usage(scan.error());

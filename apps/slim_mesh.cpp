@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/program.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/mesh_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
@@ -80,9 +79,8 @@ Error finishSettings(Settings& s) {
 
 /** What a mesh is made from. */
 struct Input {
-  std::optional<CloudFile> scan;  ///< none where the input is a surface itself
-  std::optional<SLIMSurface>
-      surface;  ///< that input, or the one given with a scan; none: to be fitted
+  std::optional<CloudFile> scan;       ///< none where the input is a surface itself
+  std::optional<SLIMSurface> surface;  ///< that input, or -surface; none: to be fitted
 };
 
 Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
@@ -204,8 +202,7 @@ Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
 Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.mesh.threads));
+  Report report(options, s.files.input, s.mesh.threads);
 
   Input input;
   if (Error error = loadInput(s, console, report, input)) return Exit::usage(error);

@@ -9,7 +9,6 @@
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/frame_blocks.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
@@ -374,7 +373,7 @@ Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(options, s)) return Exit::usage(error);
   if (Error error = checkWritten(s)) return error;
   Console console(s.quiet);
-  Report report(options.program(), options.version(), s.input, resolveThreads(s.threads));
+  Report report(options, s.input, s.threads);
 
   bool opens = false;
   Result<Model> model = loadDrawn(s, opens, console, report);

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "common/program.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_file.h"
@@ -112,8 +111,7 @@ Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Re
 Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.job.params.threads));
+  Report report(options, s.files.input, s.job.params.threads);
 
   std::optional<CloudFile> scan;  // none of a .slim
   if (!holdsSurface(s.files.input, nullptr)) {

@@ -195,8 +195,7 @@ Exit run(const OptionTable& options, Settings& s) {
   const ScanFiles& files = s.job.files;
   if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(files.quiet);
-  Report report(options.program(), options.version(), files.input,
-                resolveThreads(s.job.fit.params.threads));
+  Report report(options, files.input, s.job.fit.params.threads);
 
   PieceStream pieces(s.job);  // of a scan that is too large to be loaded
   if (!s.mesh) {

@@ -79,7 +79,7 @@ Error finishSettings(Settings& s) {
 }
 
 /** \brief A window for a scan, whose surface comes while the points are shown. */
-Error showScan(const Settings& s, const CloudFile& cloud, Console& console) {
+Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Report& report) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   viewer.scene().setPoints(cloud.view(s.fit.use_normals),
                            s.fit.color ? colorsOf(cloud) : ColorView());
@@ -88,7 +88,6 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console) {
     FitTask task(s.fit, cloud);
     return viewer.runFit(task);
   }
-  Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
   auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
   viewer.scene().setSurface(surface);
@@ -113,7 +112,7 @@ Error showModel(const Settings& s, Model& model) {
   return {};
 }
 
-Exit run(Settings& s) {
+Exit run(const OptionTable& options, Settings& s) {
   if (Error error = finishSettings(s)) return Exit::usage(error);
   if (!s.screenshot.empty()) {
     if (Error error = checkWritable(s.screenshot)) return error;
@@ -122,11 +121,11 @@ Exit run(Settings& s) {
   const Result<bool> is_model = holdsModel(s.input);
   if (!is_model) return Exit::usage(is_model.error());
   if (!*is_model) {
-    Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
+    Report report(options, s.input, s.fit.params.threads);
     const Result<CloudFile> cloud = loadScan(s.input, s.fit, console, report);
     if (!cloud) return Exit::usage(cloud.error());
     if (Error error = checkDisplay()) return error;
-    return showScan(s, *cloud, console);
+    return showScan(s, *cloud, console, report);
   }
   console.begin("Loading " + s.input);
   Result<Model> model = loadModel(s.input);
@@ -143,5 +142,5 @@ Exit run(Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "show a smaller model", [&] { return run(s); });
+  return runProgram(options, argc, argv, "show a smaller model", [&] { return run(options, s); });
 }

@@ -63,8 +63,8 @@ class Console {
  */
 class Report {
  public:
-  Report(const std::string& program, const std::string& version, const std::string& input,
-         int threads);
+  /** \param[in] threads as given; 0: all cores. */
+  Report(const OptionTable& options, const std::string& input, int threads);
   Report(const Report& other);
   Report& operator=(const Report&) = delete;
   ~Report();

@@ -339,7 +339,7 @@ Exit run(const OptionTable& options, const Settings& s) {
   if (Error error = checkSettings(s)) return Exit::usage(error);
   if (Error error = checkOutputs(s.output, s.json)) return error;
   Console console(s.quiet);
-  Report report(options.program(), options.version(), "", resolveThreads(s.scan.threads));
+  Report report(options, "", s.scan.threads);
   console.begin("Scanning an amphora");
   const demo::Scan scan = demo::scanAmphora(s.scan);
   report.time("scan", console.seconds());

@@ -182,7 +182,7 @@ grep -q '"page_bytes": [1-9]' page.json || complain "the report does not have th
 grep -q '"mode":"mean","range":\[-5,5\]' page.html || complain "the page does not open as asked"
 expect 0 '' pcl_slim_render surface.slim exact.html -precision 0
 differ page.html exact.html
-for option in "-size 80x60" "-bar" "-aa 2" "-turntable 3" "-lines crest" "-reference" "-region 0,0,0,1,1,1"; do
+for option in "-size 80x60" "-bar" "-aa 2" "-turntable 3" "-lines crest" "-region 0,0,0,1,1,1"; do
   # shellcheck disable=SC2086 # an option and its value
   expect 2 "${option%% *} means nothing in a page" pcl_slim_render surface.slim none.html $option
 done
