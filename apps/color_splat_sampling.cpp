@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -12,7 +11,8 @@
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
-#include "scan/scan_program.h"
+#include "scan/fit_job.h"
+#include "scan/scan_files.h"
 
 namespace {
 
@@ -78,8 +78,9 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-/** Transfers the options to the parameters and checks what needs no input. */
-Error finishSettings(Settings& s) {
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(const OptionTable& options, Settings& s) {
+  s.neighbors_given = options.given("estimate_normals");
   s.params.min_points = static_cast<std::uint32_t>(s.min_points);
   if (s.color == "gradient") s.params.color = SplatColor::kGradient;
   if (s.color == "own") s.params.color = SplatColor::kOwn;
@@ -167,17 +168,24 @@ Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& sp
   return {};
 }
 
-Error makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report,
-                 ScanResult& result) {
-  const auto splats = std::make_shared<SplatSet>();
-  if (Error error = sample(s, cloud, console, report, *splats)) return error;
-  if (console.interrupted()) return {};
-  if (Error error = lookForHoles(s, cloud, *splats, console, report)) return error;
-  result.save = [&s, splats, shift = fileShift(cloud.view(false))] {
-    return savePointFile(s.files.output, toPointFile(*splats, shift));
-  };
-  result.detail = std::to_string(splats->size()) + " splats";
-  return {};
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(options, s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options, s.files.input, s.params.threads);
+
+  const Result<CloudFile> scan = loadScan(s.files.input, s.scan, console, report);
+  if (!scan) return Exit::usage(scan.error());
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+
+  SplatSet splats;
+  if (Error error = sample(s, *scan, console, report, splats)) return error;
+  if (Error error = lookForHoles(s, *scan, splats, console, report)) return error;
+  return saveOutput(
+      s.files.output, s.files.json,
+      [&] {
+        return savePointFile(s.files.output, toPointFile(splats, fileShift(scan->view(false))));
+      },
+      std::to_string(splats.size()) + " splats", console, report);
 }
 
 }  // namespace
@@ -185,14 +193,5 @@ Error makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& 
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {
-      [&] {
-        s.neighbors_given = options.given("estimate_normals");
-        return finishSettings(s);
-      },
-      {},
-      [&](const CloudFile* cloud, auto&... stage) { return makeSplats(s, *cloud, stage...); },
-      {},
-      {}};
-  return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
 }

@@ -6,12 +6,20 @@
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
+#include "projection/piece_stream.h"
 #include "projection/projection_job.h"
-#include "scan/cloud_file.h"
 
 namespace {
 
 using namespace pcl_slim;
+
+OptionTable declareOptions(ProjectionJob& job) {
+  OptionTable options("pcl_slim_curvature", PCL_SLIM_VERSION,
+                      "Adds the curvatures and normals of a scan's SLIM surface to its points.");
+  options.toggle("directions", &job.more_fields, "also write the unit tangents of k1 and k2");
+  declareProjection(options, job);
+  return options;
+}
 
 std::vector<std::string> fieldNames(bool directions) {
   std::vector<std::string> names = {"k1",       "k2",       "mean_curvature", "gaussian_curvature",
@@ -45,24 +53,56 @@ Values valuesOf(const ProjectedPoint& point) {
           d2[2]};
 }
 
-PointFile withCurvatures(const PointFile& file, const CloudProjection& projection, bool directions,
-                         int threads) {
+/** The scan's points, unmoved, with the surface's fields. */
+PointFile withCurvatures(const PointFile& file, const CloudProjection& projection,
+                         const ProjectionJob& job) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
-  const std::vector<std::string> names = fieldNames(directions);
+  const std::vector<std::string> names = fieldNames(job.more_fields);
   PointFile made = withRealFields(file, names, pcl::PCLPointField::FLOAT32);
   std::vector<FieldWriter> fields;
   for (const std::string& name : names) fields.emplace_back(made.cloud, name);
   Values unknown;
   unknown.fill(std::numeric_limits<float>::quiet_NaN());
-  parallelFor(projection.size(), resolveThreads(threads), 4096, [&](std::size_t i, int) {
-    const bool known = projection.isSupported(i);
-    const Values values = known ? valuesOf(projection.point(i)) : unknown;
-    for (std::size_t k = 0; k < fields.size(); ++k) {
-      const bool is_normal = k >= 4 && k < 7;
-      if (known || !is_normal || !had_normals) fields[k].set(i, values[k]);
-    }
-  });
+  parallelFor(projection.size(), resolveThreads(job.projection.threads), 4096,
+              [&](std::size_t i, int) {
+                const bool known = projection.isSupported(i);
+                const Values values = known ? valuesOf(projection.point(i)) : unknown;
+                for (std::size_t k = 0; k < fields.size(); ++k) {
+                  const bool is_normal = k >= 4 && k < 7;
+                  if (known || !is_normal || !had_normals) fields[k].set(i, values[k]);
+                }
+              });
   return made;
+}
+
+Exit run(const OptionTable& options, ProjectionJob& job) {
+  if (Error error = finishProjection(options, job)) return Exit::usage(error);
+  Console console(job.files.quiet);
+  Report report(options, job.files.input, job.fit.params.threads);
+
+  PieceStream pieces(job);  // of a scan that is too large to be loaded
+  if (Error error = pieces.open(console)) return Exit::usage(error);
+  if (pieces.isOpen()) return pieces.run(withCurvatures, console, report);
+
+  const Result<CloudFile> scan = loadScan(job.files.input, job.fit, console, report);
+  if (!scan) return Exit::usage(scan.error());
+  const bool fits = job.surface.empty();
+  SLIMSurface surface;
+  if (!fits) {
+    if (Error error = readSurface(job.surface, &*scan, console, report, surface))
+      return Exit::usage(error);
+  }
+  if (Error error = checkOutputs(job.files.output, job.files.json)) return error;
+  warnOfLeftOut(*scan, console);
+
+  PointStore store;
+  if (fits) {
+    if (Error error = fitScan(job.fit, *scan, console, report, surface, &store)) return error;
+  }
+  const auto projection =
+      projectScan(job, *scan, surface, fits ? &store : nullptr, console, report);
+  if (!projection) return projection.error();
+  return savePoints(job, withCurvatures(scan->file, *projection, job), console, report);
 }
 
 }  // namespace
@@ -70,9 +110,6 @@ PointFile withCurvatures(const PointFile& file, const CloudProjection& projectio
 int main(int argc, char** argv) {
   ProjectionJob job;
   job.projection.directions = true;
-  return runProjectionProgram(
-      {"pcl_slim_curvature", PCL_SLIM_VERSION,
-       "Adds the curvatures and normals of a scan's SLIM surface to its points.", "directions",
-       "also write the unit tangents of k1 and k2"},
-      job, argc, argv, withCurvatures);
+  OptionTable options = declareOptions(job);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, job); });
 }

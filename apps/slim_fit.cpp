@@ -1,8 +1,155 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_fit: turns a scan into a SLIM surface.
-#include "pcl_slim/version.h"
-#include "scan/fit_program.h"
+#include "slim_fit.h"
 
-int main(int argc, char** argv) {
-  return pcl_slim::runFitProgram("pcl_slim_fit", PCL_SLIM_VERSION, argc, argv);
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/program.h"
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/filters/io/surface_files.h"
+#include "scan/fit_job.h"
+#include "scan/scan_files.h"
+#include "scan/tile_fit.h"
+
+namespace pcl_slim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Settings {
+  ScanFiles files;
+  FitJob job;
+  TileRequest tiles;
+  double rounding = 0.0;  ///< of a .slim
+};
+
+OptionTable declareOptions(const char* program, Settings& s) {
+  OptionTable options(program, PCL_SLIM_VERSION,
+                      "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
+  options.positional("IN", &s.files.input, kScanHelp);
+  options.positional("OUT.pcd|.ply|.vtp|.pvtp|.slim", &s.files.output, "the surface");
+  declareFitOptions(options, s.job);
+  declareTrimOptions(options, s.job);
+  declareColorOption(options, s.job);
+  declareTileOptions(options, s.tiles);
+  if (s.tiles.ranks == nullptr) declarePlanOptions(options, s.tiles);
+  options.number("quantize", &s.rounding, 0.001, 1,
+                 "round a .slim to a sixth of its bytes: the surface moves by this share of its "
+                 "residual; .1 suits most",
+                 "off");
+  declareReport(options, s.files);
+  return options;
 }
+
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(const OptionTable& options, Settings& s) {
+  s.tiles.asked = options.given("tile_points");
+  if (Error error = finishFitOptions(s.job)) return error;
+  if (Error error = checkSurfaceExtension(s.files.output)) return error;
+  if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
+    return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
+  if (Error error = checkFilesDiffer(s.files, filesRead(s.job))) return error;
+  if (s.tiles.ranks != nullptr && s.tiles.ranks->rank() != 0) {
+    s.files.quiet = true;  // only the first rank prints and writes
+    s.files.output.clear();
+    s.files.json.clear();
+  }
+  return {};
+}
+
+/** A name for the blocks of a surface that is written in another form. */
+std::string scratchFile(const std::string& folder) {
+  std::error_code code;
+  const fs::path place = folder.empty() ? fs::temp_directory_path(code) : fs::path(folder);
+  const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+  return (place / ("pcl_slim-" + std::to_string(now) + ".slim")).string();
+}
+
+/** Brings blocks from a scratch file, which is removed, into pieces for ParaView. */
+Exit savePieces(const Settings& s, const std::string& scratch, SlimBlockWriter& blocks,
+                Console& console, Report& report) {
+  Error error = blocks.finish();
+  if (error) return exitOfTiles(error);
+  SlimBlockReader reader;
+  error = reader.open(scratch);
+  std::error_code code;
+  fs::remove(scratch, code);
+  if (error) return exitOfTiles(error);
+  return saveOutput(
+      s.files.output, s.files.json, [&] { return saveSurfacePieces(s.files.output, reader); },
+      std::to_string(blocks.surfels()) + " surfels, " +
+          counted(reader.directory().blocks.size(), "piece"),
+      console, report);
+}
+
+/** Fits by tiles; where the output is made of blocks, each tile is written once it is fitted. */
+Exit fitTiles(const Settings& s, PointSource& source, Console& console, Report& report) {
+  const std::string extension = lowerExtension(s.files.output);
+  const bool pieces = extension == ".pvtp", in_blocks = pieces || extension == ".slim";
+  const std::string file = pieces ? scratchFile(s.tiles.scratch) : s.files.output;
+  SlimBlockWriter blocks;
+  TiledSurface made;
+  Error error;
+  if (in_blocks) error = blocks.open(file, s.rounding);
+  if (!error) {
+    error =
+        fitByTiles(source, s.job, s.tiles, console, report, in_blocks ? &blocks : nullptr, made);
+  }
+  if (error) return exitOfTiles(error);
+  if (made.partial) return report.write(s.files.json);
+  const auto save = [&] {
+    return in_blocks ? blocks.finish() : saveSurface(s.files.output, made.surface);
+  };
+  const std::uint64_t surfels = in_blocks ? blocks.surfels() : made.surface.size();
+  const Exit saved = pieces ? savePieces(s, file, blocks, console, report)
+                            : saveOutput(s.files.output, s.files.json, save,
+                                         std::to_string(surfels) + " surfels", console, report);
+  if (saved.status == kExitDone && !s.tiles.plan.empty()) removePlan(s.tiles.plan);
+  return saved;
+}
+
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(options, s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options, s.files.input, s.job.params.threads);
+
+  std::unique_ptr<PointSource> source;  // of a scan that is fitted by tiles
+  if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, source))
+    return Exit::usage(error);
+  if (source) {
+    if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+    return fitTiles(s, *source, console, report);
+  }
+
+  const Result<CloudFile> scan = loadScan(s.files.input, s.job, console, report);
+  if (!scan) return Exit::usage(scan.error());
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+  SLIMSurface surface;
+  if (Error error = fitScan(s.job, *scan, console, report, surface)) return error;
+  return saveOutput(
+      s.files.output, s.files.json,
+      [&] { return saveSurface(s.files.output, surface, s.rounding); },
+      std::to_string(surface.size()) + " surfels", console, report);
+}
+
+}  // namespace
+
+int runFit(const char* program, int argc, const char* const* argv, Ranks* ranks) {
+  Settings s;
+  s.tiles.ranks = ranks;
+  if (ranks != nullptr) s.job.params.threads = 1;
+  OptionTable options = declareOptions(program, s);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+}
+
+}  // namespace pcl_slim
+
+#ifndef PCL_SLIM_FIT_MPI  // there the job's main(), in slim_fit_mpi.cpp, calls runFit()
+int main(int argc, char** argv) {
+  return pcl_slim::runFit("pcl_slim_fit", argc, argv, nullptr);
+}
+#endif

@@ -9,7 +9,7 @@
 
 #include "common/options.h"
 #include "pcl_slim/mpi/mpi_ranks.h"
-#include "scan/fit_program.h"
+#include "slim_fit.h"
 
 namespace {
 
@@ -77,11 +77,11 @@ int main(int argc, char** argv) {
   int status = 0;
   if (isForOne(pcl_slim::plainArguments(argc, argv))) {
     pcl_slim::MpiRanks ranks(MPI_COMM_SELF);
-    if (rank == 0) status = pcl_slim::runFitProgram(kProgram, PCL_SLIM_VERSION, argc, argv, &ranks);
+    if (rank == 0) status = pcl_slim::runFit(kProgram, argc, argv, &ranks);
   } else {
     pcl_slim::MpiRanks ranks;
     KeptOutput output(rank != 0);
-    status = pcl_slim::runFitProgram(kProgram, PCL_SLIM_VERSION, argc, argv, &ranks);
+    status = pcl_slim::runFit(kProgram, argc, argv, &ranks);
     status = settle(rank, ranks.size(), status, output);
   }
   MPI_Finalize();

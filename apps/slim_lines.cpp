@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_lines: traces the ridges and ravines of a scan's SLIM surface.
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -11,7 +10,7 @@
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/scan/scan.h"
 #include "scan/fit_job.h"
-#include "scan/scan_program.h"
+#include "scan/scan_files.h"
 
 namespace {
 
@@ -46,8 +45,8 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-/** Checks the options that can be checked before the input is read. */
-Error checkSettings(Settings& s) {
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(Settings& s) {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkCrestExtension(s.files.output)) return error;
   if (Error error =
@@ -124,36 +123,38 @@ Error trace(const Settings& s, const PointStore& store, const SLIMSurface& surfa
   return {};
 }
 
-Result<PointStore> storeOf(const Settings& s, const CloudFile& cloud) {
-  return PointStore::build(cloud.view(s.job.use_normals || s.job.normal_neighbours > 0),
+/** The store of a scan whose surface was read. */
+Result<PointStore> storeOf(const Settings& s, const CloudFile& scan) {
+  return PointStore::build(scan.view(s.job.use_normals || s.job.normal_neighbours > 0),
                            s.job.params.threads);
 }
 
-/** The surface of the scan, fitted or read, and the scan's store. */
-Error prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Console& console,
-              Report& report, SLIMSurface& surface, PointStore& store) {
-  if (given == nullptr) return fitScan(s.job, cloud, console, report, surface, &store);
-  surface = *given;
-  Result<PointStore> built = storeOf(s, cloud);
-  if (!built) return built.error();
-  store = std::move(*built);
-  reportSurface(s.surface, surface, report);
-  return {};
-}
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options, s.files.input, s.job.params.threads);
 
-Error makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cloud,
-                Console& console, Report& report, ScanResult& result) {
-  const auto surface = std::make_shared<SLIMSurface>();
-  const auto lines = std::make_shared<CrestLines>();
-  PointStore store;
-  if (Error error = prepare(s, cloud, given, console, report, *surface, store)) return error;
-  if (console.interrupted()) return {};
-  if (Error error = trace(s, store, *surface, console, report, *lines)) return error;
-  result.save = [&s, surface, lines] {
-    return saveCrestLines(s.files.output, *lines, viewOf(s, *surface));
-  };
-  result.detail = std::to_string(lines->numLines()) + " lines";
-  return {};
+  const Result<CloudFile> scan = loadScan(s.files.input, s.job, console, report);
+  if (!scan) return Exit::usage(scan.error());
+  const bool fits = s.surface.empty();
+  Result<SLIMSurface> surface = fits ? SLIMSurface() : loadSurface(s.surface);
+  if (!surface) return Exit::usage(surface.error());
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+
+  Result<PointStore> store = fits ? PointStore() : storeOf(s, *scan);
+  if (!store) return store.error();
+  if (fits) {
+    if (Error error = fitScan(s.job, *scan, console, report, *surface, &*store)) return error;
+  } else {
+    reportSurface(s.surface, *surface, report);
+  }
+
+  CrestLines lines;
+  if (Error error = trace(s, *store, *surface, console, report, lines)) return error;
+  return saveOutput(
+      s.files.output, s.files.json,
+      [&] { return saveCrestLines(s.files.output, lines, viewOf(s, *surface)); },
+      std::to_string(lines.numLines()) + " lines", console, report);
 }
 
 }  // namespace
@@ -161,17 +162,5 @@ Error makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cl
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  Result<SLIMSurface> given = SLIMSurface();
-  const ScanSteps steps = {[&] { return checkSettings(s); },
-                           [&](const CloudFile*, Console&, Report&) {
-                             if (!s.surface.empty()) given = loadSurface(s.surface);
-                             return given.error();
-                           },
-                           [&](const CloudFile* cloud, auto&... stage) {
-                             return makeLines(s, s.surface.empty() ? nullptr : &*given, *cloud,
-                                              stage...);
-                           },
-                           {},
-                           {}};
-  return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads, steps);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
 }

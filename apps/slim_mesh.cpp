@@ -2,7 +2,6 @@
 // pcl_slim_mesh: triangulates the SLIM surface of a scan.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -13,7 +12,7 @@
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
-#include "scan/scan_program.h"
+#include "scan/scan_files.h"
 
 namespace {
 
@@ -63,8 +62,8 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-/** Checks the options that can be checked before the input is read. */
-Error checkSettings(Settings& s) {
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(Settings& s) {
   s.job.params.trim = s.mesh.trim;
   if (s.mesh.hole_size > 0) {
     s.job.params.hole_size = std::clamp(s.mesh.hole_size, kLeastHole, kUsualHole);
@@ -78,30 +77,33 @@ Error checkSettings(Settings& s) {
   return s.mesh.validate();
 }
 
-/** The surface used in place of a fit: the input itself, or the one given with it. */
-struct Given {
-  SLIMSurface surface;
-  bool is_input = false, any = false;
+/** What a mesh is made from. */
+struct Input {
+  std::optional<CloudFile> scan;       ///< none where the input is a surface itself
+  std::optional<SLIMSurface> surface;  ///< that input, or -surface; none: to be fitted
 };
 
-/** \param[in] cloud the input's points; null for a .slim. */
-Error loadGiven(const Settings& s, const CloudFile* cloud, Console& console, Report& report,
-                Given& given) {
-  given.is_input = holdsSurface(s.files.input, cloud);
-  given.any = given.is_input || !s.surface.empty();
-  if (!given.is_input) {
-    if (s.color == true && colorsOf(*cloud).bgr == nullptr) {
+Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
+  if (!holdsSurface(s.files.input, nullptr)) {
+    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
+    if (!loaded) return loaded.error();
+    if (!holdsSurface(s.files.input, &*loaded)) input.scan = std::move(*loaded);
+  }
+  if (input.scan) {
+    if (s.color == true && colorsOf(*input.scan).bgr == nullptr) {
       return badInput("'" + s.files.input +
                       "' has no colours (rgb, rgba or red green blue); leave -color out");
     }
-    return given.any ? loadGiven(s.surface, console, report, given.surface) : Error{};
+    return s.surface.empty() ? Error{}
+                             : loadGiven(s.surface, console, report, input.surface.emplace());
   }
   if (!s.surface.empty()) {
     return {ErrorCode::kBadArgument,
             "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
   }
-  if (Error error = loadGiven(s.files.input, console, report, given.surface)) return error;
-  if (s.color != true || given.surface.hasColors()) return {};
+  if (Error error = loadGiven(s.files.input, console, report, input.surface.emplace()))
+    return error;
+  if (s.color != true || input.surface->hasColors()) return {};
   return {ErrorCode::kBadArgument,
           "the surface has no colours: name its scan, with -surface " + s.files.input};
 }
@@ -165,52 +167,70 @@ Error triangulate(const Settings& s, const SLIMSurface& surface, const SLIMSurfa
 }
 
 /** Whether the mesh gets the edges of a second, sharp fit: that needs the scan and its normals. */
-bool isSharpened(const Settings& s, const CloudFile* scan) {
-  return s.job.params.sharp_features && scan != nullptr &&
+bool isSharpened(const Settings& s, const std::optional<CloudFile>& scan) {
+  return s.job.params.sharp_features && scan &&
          (s.job.use_normals || s.job.normal_neighbours > 0) &&
          scan->normal_source != NormalSource::kNothing;
 }
 
-/** \param[in] scan null: the input is a surface. */
-Error makeMesh(const Settings& s, const Given& given, const CloudFile* scan, Console& console,
-               Report& report, TriangleMesh& mesh) {
-  SLIMSurface fitted, sharp;
-  const bool sharpened = isSharpened(s, scan);
-  if (sharpened) {
-    FitJob job = s.job;
-    job.params.trim = false;
-    Report unread(report);
-    if (Error error = fitScan(job, *scan, console, unread, sharp)) return error;
-  }
-  if (!given.any && !console.interrupted()) {
-    FitJob job = s.job;
-    job.params.sharp_features = job.params.sharp_features && !sharpened;
-    if (Error error = fitScan(job, *scan, console, report, fitted)) return error;
-  }
-  if (console.interrupted()) return {};
-  const SLIMSurface& surface = given.any ? given.surface : fitted;
-  if (Error error = triangulate(s, surface, sharpened ? &sharp : nullptr, console, report, mesh))
-    return error;
+/** The fit whose sharp edges the mesh gets; the report is about the other one. */
+Error fitSharp(const Settings& s, const CloudFile& scan, Console& console, const Report& report,
+               SLIMSurface& surface) {
+  FitJob job = s.job;
+  job.params.trim = false;
+  Report unread(report);
+  return fitScan(job, scan, console, unread, surface);
+}
+
+/** The fit that the mesh is made of. */
+Error fitSmooth(const Settings& s, const CloudFile& scan, bool sharpened, Console& console,
+                Report& report, SLIMSurface& surface) {
+  FitJob job = s.job;
+  job.params.sharp_features = job.params.sharp_features && !sharpened;
+  return fitScan(job, scan, console, report, surface);
+}
+
+/** Colours of the scan's points or, where these have none, of the surface. */
+Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
   if (s.color == false) return {};
-  const ColorView colors = scan != nullptr ? colorsOf(*scan) : ColorView();
-  if (colors.bgr) return colorFromPoints(scan->view(false), colors, s.mesh.threads, mesh);
-  mesh.colors = surfaceColors(surface, mesh.vertices, mesh.normals, s.mesh.threads);
+  const ColorView colors = input.scan ? colorsOf(*input.scan) : ColorView();
+  if (colors.bgr) return colorFromPoints(input.scan->view(false), colors, s.mesh.threads, mesh);
+  mesh.colors = surfaceColors(*input.surface, mesh.vertices, mesh.normals, s.mesh.threads);
   return {};
 }
 
-Error work(const Settings& s, const Given& given, const CloudFile* cloud, Console& console,
-           Report& report, ScanResult& result) {
-  const auto mesh = std::make_shared<TriangleMesh>();
-  const CloudFile* scan = given.is_input ? nullptr : cloud;
-  if (Error error = makeMesh(s, given, scan, console, report, *mesh)) return error;
-  if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(*mesh) > 1e-2) {
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options, s.files.input, s.mesh.threads);
+
+  Input input;
+  if (Error error = loadInput(s, console, report, input)) return Exit::usage(error);
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+
+  SLIMSurface sharp;
+  const bool sharpened = isSharpened(s, input.scan);
+  if (sharpened) {
+    if (Error error = fitSharp(s, *input.scan, console, report, sharp)) return error;
+  }
+  if (!input.surface) {
+    SLIMSurface& fitted = input.surface.emplace();
+    if (Error error = fitSmooth(s, *input.scan, sharpened, console, report, fitted)) return error;
+  }
+
+  TriangleMesh mesh;
+  if (Error error =
+          triangulate(s, *input.surface, sharpened ? &sharp : nullptr, console, report, mesh))
+    return error;
+  if (Error error = colorMesh(s, input, mesh)) return error;
+  if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
     console.warn(
         "pcl_slim_mesh: .stl holds floats, too coarse for these coordinates; .ply and .vtp "
         "keep them");
   }
-  result.save = [&s, mesh] { return saveMesh(s.files.output, *mesh); };
-  result.detail = counted(mesh->triangles.size(), "triangle");
-  return {};
+  return saveOutput(
+      s.files.output, s.files.json, [&] { return saveMesh(s.files.output, mesh); },
+      counted(mesh.triangles.size(), "triangle"), console, report);
 }
 
 }  // namespace
@@ -218,12 +238,5 @@ Error work(const Settings& s, const Given& given, const CloudFile* cloud, Consol
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  Given given;
-  const ScanSteps steps = {
-      [&] { return checkSettings(s); },
-      [&](auto&&... stage) { return loadGiven(s, stage..., given); },
-      [&](auto&&... stage) { return work(s, given, stage...); },
-      [&](Console&) -> Result<bool> { return holdsSurface(s.files.input, nullptr); },
-      {}};
-  return runScanProgram(options, argc, argv, s.files, s.job, s.mesh.threads, steps);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
 }

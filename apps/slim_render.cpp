@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_render: pictures and pages of a SLIM surface or of splats, without a window system.
-#include <cstdio>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/frame_blocks.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/model.h"
@@ -32,9 +32,8 @@ struct Settings {
   TracedRequest traced;
   PageRequest page;
   double near_plane = 0.0, lod = 0.0, hole = 0.0;
-  int threads = 0, turntable = 1, repeat = 0;
-  std::uint64_t max_memory = 0;
-  bool filtered = true, trim = true, skip = true, quiet = false;
+  int threads = 0, turntable = 1;
+  bool filtered = true, trim = true, quiet = false;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -64,12 +63,9 @@ OptionTable declareOptions(Settings& s) {
   s.page.declare(table);
   table.number("lod", &s.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
-  table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
-  table.integer("repeat", &s.repeat, 0, 10000,
-                "time N frames of one ray a pixel: seconds.frame of -json");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
-  declareMemoryLimit(table, &s.max_memory);
+  declareMemoryLimit(table);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -87,23 +83,8 @@ RenderParams renderingOf(const Settings& s) {
   params.lod = s.lod;
   params.cuts = s.region.sides;
   params.close_gaps = true;
-  params.skip = s.skip;
   params.threads = s.threads;
   return params;
-}
-
-/** What -repeat measured. */
-Error reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
-                   Report& report) {
-  if (s.repeat == 0) return {};
-  const ShadingParams shading = s.picture.shadingFor(false, s.threads);
-  RenderParams rendering = renderingOf(s);
-  rendering.close_gaps = false;  // a frame as a viewer draws it
-  const auto seconds = timeFrames(renderer, camera, rendering, shading, s.repeat);
-  if (!seconds) return seconds.error();
-  report.time("frame", seconds->frame);
-  report.time("shade", seconds->shade);
-  return {};
 }
 
 /** Every picture of the turntable, each in its place as soon as it is drawn; a single one with the
@@ -147,7 +128,6 @@ Error renderSurfaceModel(const Settings& s, const Model& model, const Turntable&
     return withLines(s, renderer, turned, std::move(image), lines);
   });
   if (s.lines.any()) report.json()["lines"] = lines;
-  if (!error) error = reportFrames(s, renderer, table.camera(0), report);
   reportSurface(model, total, report.json());
   return error;
 }
@@ -157,7 +137,6 @@ DiscRenderParams discsOf(const Settings& s) {
   params.filtered = s.filtered;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
-  params.skip = s.skip;
   params.threads = s.threads;
   return params;
 }
@@ -210,16 +189,6 @@ Error renderTracedModel(const Settings& s, const Model& model, const Turntable& 
   if (s.lines.any()) report.json()["lines"] = lines;
   reportTraced(model, total, report.json());
   return error;
-}
-
-int fail(Console& console, int status, const Error& error) {
-  return pcl_slim::fail("pcl_slim_render", status, console.failed(error).message);
-}
-
-int statusOf(const Error& error) {
-  return error.code == ErrorCode::kBadArgument ? kExitUsage
-         : error.code == ErrorCode::kCancelled ? kExitInterrupted
-                                               : kExitFailed;
 }
 
 /** Writes a page in place of a picture. */
@@ -285,93 +254,160 @@ bool wantsBlock(const Settings& s, const WorldBox& box) {
   return !hasOneView(s) || !s.view.given || mayBeSeen(*s.view.given, box);
 }
 
-/** What of a surface in blocks is read. With level of detail a camera of the program's own choice
- * looks at the levels above the tiles, unless a region has to be found first, and is a given one
- * from then on. */
-BlockWish blocksFor(Settings& s, bool& opens) {
-  BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); }, s.lod, {}};
-  if (!hasOneView(s) || (!s.view.given && !s.region.sides.empty())) return wish;
-  wish.camera = [&s, &opens](const BoundingSpheres& above) {
-    opens = s.view.opens(above);
-    s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(above);
-    return *s.view.given;
-  };
-  return wish;
+/** Which blocks of a surface with level of detail are drawn. A camera of the program's own choice
+ * looks at the levels above the tiles, and is a given one from then on. */
+Result<std::vector<bool>> blocksInDetail(Settings& s, SlimBlockReader& reader, bool& opens) {
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> above;
+  for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
+  Result<SLIMSurface> coarse = reader.load(above);
+  if (!coarse) return coarse.error();
+  if (coarse->empty()) return std::vector<bool>(above.size(), true);
+  coarse->buildLinks();
+  const BoundingSpheres spheres = spheresOf(*coarse);
+  opens = s.view.opens(spheres);
+  s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(spheres);
+  return blocksOfFrame(directory, *coarse, *s.view.given, s.lod);
 }
 
-int run(Settings& s, const OptionTable& options) {
-  if (Error error = limitMemory(s.max_memory))
-    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
-  const std::string output = Turntable::path(s.output, 0, s.turntable);
-  if (Error error =
-          checkPlaces({s.input, s.lines.file, s.view.camera}, {output, s.save_camera, s.json}))
-    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
-  for (const std::string& path : {output, s.save_camera, s.json}) {
-    const Error error = path.empty() ? Error{} : checkWritable(path);
-    if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
+/** Of a surface in blocks only what the picture may show. */
+Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, bool& opens) {
+  const SlimDirectory& directory = reader.directory();
+  Result<std::vector<bool>> blocks = std::vector<bool>(directory.blocks.size(), true);
+  // Of a region the part with surface has to be found before a camera can be chosen.
+  if (s.lod > 0.0 && hasOneView(s) && (s.view.given || s.region.sides.empty()))
+    blocks = blocksInDetail(s, reader, opens);
+  if (!blocks) return blocks.error();
+  for (std::size_t b = 0; b < blocks->size(); ++b)
+    (*blocks)[b] = (*blocks)[b] && wantsBlock(s, directory.boxOf(directory.blocks[b]));
+  Result<SLIMSurface> surface = reader.load(*blocks);
+  if (!surface) return surface.error();
+  surface->buildLinks();
+  Model model;
+  model.surface = std::move(*surface);
+  model.blocks = blocks->size();
+  model.blocks_read = reader.blocksRead();
+  model.box = directory.box();
+  return model;
+}
+
+/** Loads what is drawn, with the borders that it is to have. \param[out] opens whether a camera that
+ * was chosen looks into the object */
+Result<Model> loadDrawn(Settings& s, bool& opens, Console& console, Report& report) {
+  console.begin("Loading " + s.input);
+  SlimBlockReader reader;
+  const bool in_blocks = lowerExtension(s.input) == ".slim" && !reader.open(s.input);
+  Result<Model> model = in_blocks ? loadBlocks(s, reader, opens) : loadModel(s.input);
+  if (!model) return console.failed(model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
+  model->surface.closeHoles(s.hole, s.threads);
+  report.time("load", console.seconds());
+  if (model->blocks > 0)
+    report.json()["blocks"] = {{"count", model->blocks}, {"read", model->blocks_read}};
+  console.done(model->describe());
+  if (model->skipped > 0) {
+    console.note("  splats left out: " + std::to_string(model->skipped) +
+                 " not finite or without a normal");
   }
+  return model;
+}
+
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(const OptionTable& options, Settings& s) {
+  if (Error error = s.view.parse()) return error;
+  if (Error error = s.picture.parse()) return error;
+  if (Error error = PageRequest::check(options, s.output, s.picture.mode)) return error;
+  s.lines.applyMode(s.picture);
+  if (Error error = s.region.parse()) return error;
+  if (Error error = s.lines.load()) return error;
+  if (Error error = s.traced.parse()) return error;
+  if (!PageRequest::isPage(s.output)) {
+    if (Error error = checkImageExtension(s.output)) return error;
+  }
+  return checkPlaces({s.input, s.lines.file, s.view.camera},
+                     {Turntable::path(s.output, 0, s.turntable), s.save_camera, s.json});
+}
+
+Error checkWritten(const Settings& s) {
+  for (const std::string& path :
+       {Turntable::path(s.output, 0, s.turntable), s.save_camera, s.json}) {
+    if (path.empty()) continue;
+    if (Error error = checkWritable(path)) return error;
+  }
+  return {};
+}
+
+/** Prints which options have no effect on what is drawn. */
+void noteIdleOptions(const OptionTable& options, const Settings& s, const Model& model,
+                     const ShadingParams& shading, Console& console) {
+  const DrawnThing drawn{model.is_splats, PageRequest::isPage(s.output), s.trim, s.picture, s.lines,
+                         shading};
+  for (const std::string& note : idleOptions(options, drawn)) console.note(note);
+}
+
+/** The end of pictures that could not be drawn: a mode may not suit the model, which counts as a
+ * wrong option. */
+Exit exitOfDrawing(const Error& error) {
+  if (error.code == ErrorCode::kBadArgument) return Exit::usage(error);
+  if (error.code == ErrorCode::kCancelled) return {kExitInterrupted, error.message};
+  return error;
+}
+
+/** Draws the pictures, or writes the page, and what is written beside them. */
+Exit draw(const Settings& s, const Model& model, const Turntable& table, Console& console,
+          Report& report) {
+  FileTransaction files;
+  const Camera camera = table.camera(0);
+  Error error = PageRequest::isPage(s.output) ? writePage(s, model, camera, console, report)
+                                              : renderModel(s, model, table, console, report);
+  if (error) return exitOfDrawing(console.failed(error));
+  report.json()["camera"] = {
+      {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
+      {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
+  error = report.write(s.json);
+  if (!error) error = commitOutputs(files);
+  return error ? exitOfDrawing(console.failed(error)) : Exit();
+}
+
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(options, s)) return Exit::usage(error);
+  if (Error error = checkWritten(s)) return error;
   Console console(s.quiet);
-  Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
+  Report report(options, s.input, s.threads);
+
   bool opens = false;
-  Result<Model> model =
-      loadDrawn(s.input, blocksFor(s, opens), s.trim, s.hole, s.threads, console, report);
-  if (!model) return fail(console, kExitUsage, model.error());
+  Result<Model> model = loadDrawn(s, opens, console, report);
+  if (!model) return Exit::usage(model.error());
   if (model->is_splats && s.lines.any()) {
-    return fail(
-        console, kExitUsage,
+    return Exit::usage(console.failed(
         {ErrorCode::kBadArgument,
-         "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"});
+         "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"}));
   }
   if (Error error = checkMemory(kBytesOfPixel * s.view.size.width * s.view.size.height,
                                 "a picture of " + s.view.size_text, "ask for a smaller picture"))
-    return fail(console, kExitFailed, error);
+    return console.failed(error);
+
   const bool page = PageRequest::isPage(s.output);
   const ShadingParams shading =
       s.picture.shadingFor(page ? model->hasColors() : model->splats.hasColors(), 1);
-  for (const std::string& note :
-       idleOptions(options, {model->is_splats, page, s.trim, s.picture, s.lines, shading}))
-    console.note(note);
+  noteIdleOptions(options, s, *model, shading, console);
   const ViewRequest view = viewBesideBar(s, shading);
   const Result<BoundingSpheres> object =
       s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
-  if (!object) return fail(console, kExitUsage, object.error());
+  if (!object) return Exit::usage(console.failed(object.error()));
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   if (s.sides == "auto" && s.region.sides.empty() && (opens || s.view.opens(*object))) {
     s.sides = "front";
     console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
   }
-  const Turntable table(view, *object, s.turntable);
-  const Camera camera = table.camera(0);
-  FileTransaction files;
-  const Error failed = page ? writePage(s, *model, camera, console, report)
-                            : renderModel(s, *model, table, console, report);
-  if (failed) return fail(console, statusOf(failed), failed);
-  report.json()["camera"] = {
-      {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
-      {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
-  Error error = report.write(s.json);
-  if (!error) error = commitOutputs(files);
-  return error ? fail(console, statusOf(error), error) : kExitDone;
+  return draw(s, *model, Turntable(view, *object, s.turntable), console, report);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Settings settings;
-  OptionTable table = declareOptions(settings);
-  if (const auto status = table.parse(argc, argv)) return *status;
-  Error error = settings.view.parse();
-  if (!error) error = settings.picture.parse();
-  if (!error) error = PageRequest::check(table, settings.output, settings.picture.mode);
-  if (!error) settings.lines.applyMode(settings.picture);
-  if (!error) error = settings.region.parse();
-  if (!error) error = settings.lines.load();
-  if (!error) error = settings.traced.parse();
-  if (!error && !PageRequest::isPage(settings.output)) error = checkImageExtension(settings.output);
-  if (error) {
-    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-    return kExitUsage;
-  }
-  return guarded("pcl_slim_render", "ask for a smaller picture",
-                 [&] { return run(settings, table); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "ask for a smaller picture",
+                    [&] { return run(options, s); });
 }

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_sample: spreads points evenly over a scan's SLIM surface.
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/program.h"
-#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_file.h"
 #include "scan/fit_job.h"
-#include "scan/scan_program.h"
+#include "scan/scan_files.h"
 
 namespace {
 
@@ -42,8 +41,8 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-/** Checks the options that can be checked before the input is read. */
-Error checkSettings(Settings& s) {
+/** Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(Settings& s) {
   if (Error error = finishFitOptions(s.job)) return error;
   s.sampling.seed = s.job.params.seed;
   s.sampling.threads = s.job.params.threads;
@@ -87,30 +86,52 @@ PointFile toFile(const SurfaceSamples& samples) {
   return file;
 }
 
-/** \param[in] cloud the input's points, a scan's or a surface's; null for a .slim. */
-Error sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console& console,
-             Report& report, ScanResult& result) {
-  SLIMSurface surface;
-  if (holdsSurface(s.files.input, cloud)) {
-    if (Error error = loadGiven(s.files.input, console, report, surface)) return error;
-    if (hole_given) surface.closeHoles(s.job.params.hole_size);
-    if (!s.job.params.trim) surface.dropTrimMaps();
-  } else if (Error error = fitScan(s.job, *cloud, console, report, surface)) {
-    return error;
-  }
-  if (console.interrupted()) return {};
+/** Reads the surface that the input is; borders as the options want them. */
+Error readSurface(const Settings& s, bool hole_given, Console& console, Report& report,
+                  SLIMSurface& surface) {
+  if (Error error = loadGiven(s.files.input, console, report, surface)) return error;
+  if (hole_given) surface.closeHoles(s.job.params.hole_size);
+  if (!s.job.params.trim) surface.dropTrimMaps();
+  return {};
+}
+
+Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
+             SurfaceSamples& samples) {
   console.begin("Sampling");
-  const auto samples = std::make_shared<SurfaceSamples>();
-  if (Error error = sampleSurface(surface, s.sampling, *samples, &console.progress()))
+  if (Error error = sampleSurface(surface, s.sampling, samples, &console.progress()))
     return console.failed(error);
   report.time("sample", console.seconds());
-  report.add({{"samples", samples->size()},
-              {"spacing", samples->spacing},
-              {"candidates", samples->candidates}});
-  result.detail = std::to_string(samples->size()) + " points";
-  console.done(result.detail);
-  result.save = [&s, samples] { return savePointFile(s.files.output, toFile(*samples)); };
+  report.add({{"samples", samples.size()},
+              {"spacing", samples.spacing},
+              {"candidates", samples.candidates}});
+  console.done(std::to_string(samples.size()) + " points");
   return {};
+}
+
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(s)) return Exit::usage(error);
+  Console console(s.files.quiet);
+  Report report(options, s.files.input, s.job.params.threads);
+
+  std::optional<CloudFile> scan;  // none of a .slim
+  if (!holdsSurface(s.files.input, nullptr)) {
+    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
+    if (!loaded) return Exit::usage(loaded.error());
+    scan = std::move(*loaded);
+  }
+  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+
+  SLIMSurface surface;
+  if (Error error = holdsSurface(s.files.input, scan ? &*scan : nullptr)
+                        ? readSurface(s, options.given("hole"), console, report, surface)
+                        : fitScan(s.job, *scan, console, report, surface))
+    return error;
+
+  SurfaceSamples samples;
+  if (Error error = sample(s, surface, console, report, samples)) return error;
+  return saveOutput(
+      s.files.output, s.files.json, [&] { return savePointFile(s.files.output, toFile(samples)); },
+      std::to_string(samples.size()) + " points", console, report);
 }
 
 }  // namespace
@@ -118,11 +139,5 @@ Error sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {
-      [&] { return checkSettings(s); },
-      {},
-      [&](auto&&... stage) { return sample(s, options.given("hole"), stage...); },
-      [&](Console&) -> Result<bool> { return holdsSurface(s.files.input, nullptr); },
-      {}};
-  return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads, steps);
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_view: a window for SLIM surfaces, splats and scans.
-#include <cstdio>
 #include <string>
 
 #include "common/options.h"
@@ -66,29 +65,37 @@ OptionTable declareOptions(Settings& s) {
   return table;
 }
 
+/** \brief Completes the settings and checks what can be checked before the input is read. */
+Error finishSettings(Settings& s) {
+  if (Error error = s.viewer.view.parse()) return error;
+  if (Error error = s.viewer.region.parse()) return error;
+  if (Error error = finishFitOptions(s.fit)) return error;
+  if (!s.screenshot.empty() && lowerExtension(s.screenshot) != ".png") {
+    return {ErrorCode::kBadArgument, "the picture '" + s.screenshot + "' must be named .png"};
+  }
+  s.viewer.threads = s.fit.params.threads;
+  s.viewer.title = s.input + " - " + kProgram;
+  return {};
+}
+
 /** \brief A window for a scan, whose surface comes while the points are shown. */
-int showScan(const Settings& s, const CloudFile& cloud, Console& console) {
+Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Report& report) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   viewer.scene().setPoints(cloud.view(s.fit.use_normals),
                            s.fit.color ? colorsOf(cloud) : ColorView());
   if (s.screenshot.empty()) {
     viewer.begin();
     FitTask task(s.fit, cloud);
-    const Error error = viewer.runFit(task);
-    return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+    return viewer.runFit(task);
   }
-  Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
   auto surface = std::make_shared<SLIMSurface>();
-  if (Error error = fitScan(s.fit, cloud, console, report, *surface)) {
-    return fail(kProgram, kExitFailed, error.message);
-  }
+  if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
   viewer.scene().setSurface(surface);
   viewer.begin();
-  const Error error = viewer.saveScreenshot(s.screenshot);
-  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+  return viewer.saveScreenshot(s.screenshot);
 }
 
-int showModel(const Settings& s, Model& model) {
+Error showModel(const Settings& s, Model& model) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   if (model.is_splats) {
     viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
@@ -100,55 +107,40 @@ int showModel(const Settings& s, Model& model) {
     viewer.scene().setSurface(surface);
   }
   viewer.begin();
-  if (s.screenshot.empty()) {
-    viewer.run();
-    return kExitDone;
-  }
-  const Error error = viewer.saveScreenshot(s.screenshot);
-  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+  if (!s.screenshot.empty()) return viewer.saveScreenshot(s.screenshot);
+  viewer.run();
+  return {};
 }
 
-int run(const Settings& s) {
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishSettings(s)) return Exit::usage(error);
   if (!s.screenshot.empty()) {
-    if (Error error = checkWritable(s.screenshot)) {
-      return fail(kProgram, kExitFailed, error.message);
-    }
+    if (Error error = checkWritable(s.screenshot)) return error;
   }
   Console console(s.quiet);
   const Result<bool> is_model = holdsModel(s.input);
-  if (!is_model) return fail(kProgram, kExitUsage, is_model.error().message);
+  if (!is_model) return Exit::usage(is_model.error());
   if (!*is_model) {
-    Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
+    Report report(options, s.input, s.fit.params.threads);
     const Result<CloudFile> cloud = loadScan(s.input, s.fit, console, report);
-    if (!cloud) return fail(kProgram, kExitUsage, cloud.error().message);
-    if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);
-    return showScan(s, *cloud, console);
+    if (!cloud) return Exit::usage(cloud.error());
+    if (Error error = checkDisplay()) return error;
+    return showScan(s, *cloud, console, report);
   }
   console.begin("Loading " + s.input);
   Result<Model> model = loadModel(s.input);
-  if (!model) return fail(kProgram, kExitUsage, console.failed(model.error()).message);
+  if (!model) return Exit::usage(console.failed(model.error()));
   console.done(model->describe());
   const Result<BoundingSpheres> seen = s.viewer.region.within(model->spheres());
-  if (!seen) return fail(kProgram, kExitUsage, seen.error().message);
-  if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);
+  if (!seen) return Exit::usage(seen.error());
+  if (Error error = checkDisplay()) return error;
   return showModel(s, *model);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Settings settings;
-  OptionTable table = declareOptions(settings);
-  if (const auto status = table.parse(argc, argv)) return *status;
-  Error error = settings.viewer.view.parse();
-  if (!error) error = settings.viewer.region.parse();
-  if (!error) error = finishFitOptions(settings.fit);
-  if (!error && !settings.screenshot.empty() && lowerExtension(settings.screenshot) != ".png") {
-    error = {ErrorCode::kBadArgument,
-             "the picture '" + settings.screenshot + "' must be named .png"};
-  }
-  if (error) return fail(kProgram, kExitUsage, error.message);
-  settings.viewer.threads = settings.fit.params.threads;
-  settings.viewer.title = settings.input + " - " + kProgram;
-  return guarded(kProgram, "show a smaller model", [&] { return run(settings); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "show a smaller model", [&] { return run(options, s); });
 }

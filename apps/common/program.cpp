@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "pcl_slim/core/parallel.h"
+
 namespace pcl_slim {
 
 Console::Console(bool quiet)
@@ -77,15 +79,14 @@ void Console::clearBar() {
   std::printf("\r\033[K%s", line_.c_str());
 }
 
-Report::Report(const std::string& program, const std::string& version, const std::string& input,
-               int threads)
+Report::Report(const OptionTable& options, const std::string& input, int threads)
     : json_(std::make_unique<nlohmann::ordered_json>()) {
   auto& json = *json_;
-  json["program"] = program;
-  json["version"] = version;
+  json["program"] = options.program();
+  json["version"] = options.version();
   json["input"] = input;
   json["points"] = 0;
-  json["threads"] = threads;
+  json["threads"] = resolveThreads(threads);
   json["seconds"]["total"] = 0.0;
   json["peak_rss_mb"] = 0.0;
 }
@@ -163,6 +164,7 @@ Error checkOutputs(const std::string& output, const std::string& report) {
 Error saveOutput(const std::string& output, const std::string& report_file,
                  const std::function<Error()>& save, const std::string& detail, Console& console,
                  Report& report) {
+  if (console.interrupted()) return stopped();
   FileTransaction files;
   console.begin("Saving " + output);
   Error error = save();
@@ -177,7 +179,7 @@ Error saveOutput(const std::string& output, const std::string& report_file,
 }
 
 Error commitOutputs(FileTransaction& files) {
-  if (!outlastSignals()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+  if (!outlastSignals()) return stopped();
   return files.commit();
 }
 

@@ -19,7 +19,7 @@ namespace pcl_slim {
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
  * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While
- * it lives, Ctrl-C cancels the running work through progress() (see endOnSignals()).
+ * it lives, Ctrl-C cancels the running work through progress() (see runProgram()).
  */
 class Console {
  public:
@@ -63,8 +63,8 @@ class Console {
  */
 class Report {
  public:
-  Report(const std::string& program, const std::string& version, const std::string& input,
-         int threads);
+  /** \param[in] threads as given; 0: all cores. */
+  Report(const OptionTable& options, const std::string& input, int threads);
   Report(const Report& other);
   Report& operator=(const Report&) = delete;
   ~Report();
@@ -100,7 +100,8 @@ Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::s
 Error checkOutputs(const std::string& output, const std::string& report);
 
 /** \brief The last stage of a program: saves its output and its report and prints it. Both appear,
- * or neither; an older output stays when something fails. Signals end nothing from then on.
+ * or neither; an older output stays when something fails. Work that was interrupted is not saved;
+ * signals end nothing from then on.
  * \param[in] save writes the output; \param[in] detail its contents: "5000 surfels". */
 Error saveOutput(const std::string& output, const std::string& report_file,
                  const std::function<Error()>& save, const std::string& detail, Console& console,

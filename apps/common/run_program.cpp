@@ -60,8 +60,6 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
-}  // namespace
-
 void endOnSignals() {
   handle(SIGALRM, endOnAlarm);
   for (const int signal : {SIGPIPE, SIGXFSZ}) handle(signal, SIG_IGN);
@@ -73,6 +71,8 @@ void endOnSignals() {
   }
 }
 
+}  // namespace
+
 bool outlastSignals() {
   for (const int signal : kEndingSignals) handle(signal, SIG_IGN);
   handle(SIGALRM, SIG_IGN);
@@ -81,10 +81,6 @@ bool outlastSignals() {
 
 void cancelOnSignals(Progress* progress) {
   g_running.store(progress);
-}
-
-int receivedSignal() {
-  return g_signal.load();
 }
 
 namespace {
@@ -112,15 +108,9 @@ std::string megabytesText(double bytes) {
   return std::to_string(static_cast<std::uint64_t>(std::ceil(bytes / kMegabyte))) + " MB";
 }
 
-}  // namespace
-
-void declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes) {
-  options.integer("max_memory", megabytes, 0, kMostMegabytes,
-                  "most memory to take, in MB: work that needs more is refused; 0: all there is");
-}
-
+/** Limits the memory of this process from here on. \return an error where the program itself takes
+ * more. */
 Error limitMemory(std::uint64_t megabytes) {
-  limit = megabytes;
   if (megabytes == 0) return {};
   const double wanted = kMegabyte * static_cast<double>(megabytes), now = statusOf("VmRSS:");
   if (wanted <= now) {
@@ -143,9 +133,20 @@ Error limitMemory(std::uint64_t megabytes) {
   return {};
 }
 
+}  // namespace
+
+void declareMemoryLimit(OptionTable& options) {
+  options.integer("max_memory", &limit, 0, kMostMegabytes,
+                  "most memory to take, in MB: work that needs more is refused; 0: all there is");
+}
+
+bool isWithinMemoryLimit(double bytes) {
+  return limit == 0 || bytes <= kMegabyte * static_cast<double>(limit);
+}
+
 Error checkMemory(double bytes, const std::string& what, const std::string& relief) {
   const double needed = bytes + statusOf("VmRSS:");
-  if (limit == 0 || needed <= kMegabyte * static_cast<double>(limit)) return {};
+  if (isWithinMemoryLimit(needed)) return {};
   return badInput(what + " takes " + megabytesText(needed) + " or more, above -max_memory " +
                   std::to_string(limit) + ": raise it, or " + relief);
 }
@@ -159,41 +160,51 @@ double memoryLeft() {
   return std::fmax(0.0, kMegabyte * static_cast<double>(limit) - statusOf("VmRSS:"));
 }
 
-std::string memoryLimitText() {
-  return limit == 0 ? "" : " within -max_memory " + std::to_string(limit);
+Error stopped() {
+  return {ErrorCode::kCancelled, "stopped; nothing is written"};
 }
 
-int fail(const std::string& program, int status, const std::string& message) {
-  std::fprintf(stderr, "%s: %s\n", program.c_str(), message.c_str());
-  return status;
+Exit::Exit(const Error& work) {
+  if (!work) return;
+  const bool cancelled = work.code == ErrorCode::kCancelled;
+  status = cancelled ? kExitInterrupted : kExitFailed;
+  message = cancelled ? stopped().message : work.message;
 }
 
-int failWork(const std::string& program, const Error& error) {
-  const bool stopped = error.code == ErrorCode::kCancelled;
-  return fail(program, stopped ? kExitInterrupted : kExitFailed, error.message);
-}
+namespace {
 
-int guarded(const std::string& program, const std::string& relief,
-            const std::function<int()>& work) {
-  endOnSignals();
+/** How the body ends; what it throws fails. */
+Exit runBody(const std::string& relief, const std::function<Exit()>& body) {
   try {
-    const int status = work();
-    return status == kExitInterrupted && receivedSignal() != 0 ? 128 + receivedSignal() : status;
+    if (Error error = limitMemory(limit)) return Exit::usage(error);
+    return body();
   } catch (const std::bad_alloc&) {
-    return fail(program, kExitFailed,
-                "not enough memory" + memoryLimitText() + "; " + relief + " or fewer -threads");
+    const std::string bound = limit == 0 ? "" : " within -max_memory " + std::to_string(limit);
+    return {kExitFailed, "not enough memory" + bound + "; " + relief + " or fewer -threads"};
   } catch (const std::exception& failure) {
-    return fail(program, kExitFailed, failure.what());
+    return {kExitFailed, failure.what()};
   }
+}
+
+}  // namespace
+
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Exit()>& body) {
+  endOnSignals();
+  if (const auto status = options.parse(argc, argv)) return *status;
+  Exit exit = runBody(relief, body);
+  if (exit.status == kExitDone) return kExitDone;
+  const int signal = g_signal.load();
+  if (exit.status != kExitInterrupted && signal != 0) exit = stopped();
+  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), exit.message.c_str());
+  return exit.status == kExitInterrupted && signal != 0 ? 128 + signal : exit.status;
 }
 
 int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
                const std::function<Error()>& check, const std::function<Error()>& work) {
-  return guarded(options.program(), relief, [&]() -> int {
-    if (const auto status = options.parse(argc, argv)) return *status;
-    if (const Error error = check()) return fail(options.program(), kExitUsage, error.message);
-    if (const Error error = work()) return failWork(options.program(), error);
-    return kExitDone;
+  return runProgram(options, argc, argv, relief, [&]() -> Exit {
+    if (const Error error = check()) return Exit::usage(error);
+    return work();
   });
 }
 

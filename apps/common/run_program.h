@@ -4,23 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "common/options.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
 
 namespace pcl_slim {
-
-/** \brief From here on Ctrl-C (SIGINT), SIGTERM and SIGHUP end the program within a second.
- *
- * The first signal cancels the work whose progress was named; the work then ends and reports it.
- * Work that has not ended half a second later, or that named no progress, is ended by force: an
- * unfinished file is removed, an output that existed before stays as it was, and the program
- * returns 128 + the signal's number (130 for Ctrl-C), as a shell expects. A second signal does so
- * immediately. The end of the time that ulimit -t grants (SIGXCPU) is such a signal, too. What a
- * pipe without a reader or a file beyond ulimit -f refuses is reported by the write itself: SIGPIPE
- * and SIGXFSZ end nothing. */
-void endOnSignals();
 
 /** \brief From here on signals are ignored: the output is about to be renamed to its final name,
  * which takes no time and must not end half way. \return false if a signal has come already: then
@@ -30,16 +20,13 @@ bool outlastSignals();
 /** \brief The work that the first signal cancels; null: none. */
 void cancelOnSignals(Progress* progress);
 
-/** \brief The signal that came, or 0. */
-int receivedSignal();
+/** \brief Adds -max_memory, in 2^20 bytes; 0, the default, is no limit. From the end of parsing on an
+ * allocation beyond the limit fails (Linux; elsewhere only checkMemory() enforces it), and
+ * runProgram() reports it. */
+void declareMemoryLimit(OptionTable& options);
 
-/** \brief Adds -max_memory, in 2^20 bytes; 0, the default, is no limit. */
-void declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes);
-
-/** \brief Limits the memory of this process from here on: an allocation beyond the limit fails, and
- * guarded() reports it. 0: no limit. Linux only; elsewhere only checkMemory() enforces the limit.
- * \return an error where the program itself takes more. */
-Error limitMemory(std::uint64_t megabytes);
+/** \brief Whether the limit allows so many bytes, whatever is in use already. */
+bool isWithinMemoryLimit(double bytes);
 
 /** \brief Refuses work that would take it beyond the limit set. \param[in] bytes a lower bound of
  * what the work will take on top; \param[in] what needs it, as in "fitting 5000000 points";
@@ -50,22 +37,41 @@ Error checkMemory(double bytes, const std::string& what,
 /** \brief Bytes that the limit leaves; without one, most of what the machine has free. */
 double memoryLeft();
 
-/** \brief " within -max_memory 500", or nothing where there is no limit. */
-std::string memoryLimitText();
+/** \brief The error of work that a signal stopped. */
+Error stopped();
 
-/** \brief Prints "program: message" on stderr. \return the status, to exit with. */
-int fail(const std::string& program, int status, const std::string& message);
+/** \brief How a program ends: its status and, unless it has done its work, the one line that says why.
+ */
+struct Exit {
+  int status = kExitDone;
+  std::string message;
 
-/** \brief The same for work that failed: kExitInterrupted if it was cancelled, else kExitFailed. */
-int failWork(const std::string& program, const Error& error);
+  Exit() = default;
+  Exit(int exit_status, std::string why) : status(exit_status), message(std::move(why)) {}
 
-/** \brief Does a program's work; what it throws becomes one line and kExitFailed.
- * \param[in] relief what helps when memory runs out: "use a smaller scan". */
-int guarded(const std::string& program, const std::string& relief,
-            const std::function<int()>& work);
+  /** \brief The end of work that is done, failed or, where it was cancelled, was interrupted. */
+  Exit(const Error& work);
 
-/** \brief A whole program: reads the arguments, then checks them (an error there exits
- * with kExitUsage), then works. Errors are printed. \return the status to exit with. */
+  /** \brief The end of a program whose options or input cannot be used. */
+  static Exit usage(const Error& error) { return {kExitUsage, error.message}; }
+};
+
+/** \brief A whole program: reads the arguments, runs the body and prints the line that says why it
+ * failed. What the body throws fails, too. \return the status to exit with
+ * \param[in] relief what helps when memory runs out: "use a smaller scan"
+ *
+ * From here on Ctrl-C (SIGINT), SIGTERM and SIGHUP end the program within a second. The first signal
+ * cancels the work whose progress was named; the work then ends and reports it. Work that has not
+ * ended half a second later, or that named no progress, is ended by force: an unfinished file is
+ * removed, an output that existed before stays as it was, and the program returns 128 + the signal's
+ * number (130 for Ctrl-C), as a shell expects. A second signal does so immediately. The end of the
+ * time that ulimit -t grants (SIGXCPU) is such a signal, too. What a pipe without a reader or a file
+ * beyond ulimit -f refuses is reported by the write itself: SIGPIPE and SIGXFSZ end nothing. */
+int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
+               const std::function<Exit()>& body);
+
+/** \brief The same for a body of two parts: an error of check exits with kExitUsage, one of work with
+ * kExitFailed. */
 int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
                const std::function<Error()>& check, const std::function<Error()>& work);
 

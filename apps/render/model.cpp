@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "pcl_slim/render/frame_blocks.h"
 
 namespace pcl_slim {
 namespace {
@@ -43,18 +41,6 @@ Result<Model> modelFrom(const PointFile& file) {
   if (!surface) return surface.error();
   model.surface = std::move(*surface);
   return model;
-}
-
-/** The blocks that a picture with level of detail draws. */
-Result<std::vector<bool>> drawnBlocks(const BlockWish& wish, SlimBlockReader& reader) {
-  const SlimDirectory& directory = reader.directory();
-  std::vector<bool> above;
-  for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
-  Result<SLIMSurface> coarse = reader.load(above);
-  if (!coarse) return coarse.error();
-  if (coarse->empty()) return std::vector<bool>(above.size(), true);
-  coarse->buildLinks();
-  return blocksOfFrame(directory, *coarse, wish.camera(spheresOf(*coarse)), wish.lod);
 }
 
 }  // namespace
@@ -94,29 +80,6 @@ Result<Model> loadModel(const std::string& path) {
   return Error{model.error().code, "'" + path + "': " + model.error().message};
 }
 
-Result<Model> loadModel(const std::string& path, const BlockWish& wish) {
-  SlimBlockReader reader;
-  if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
-  const SlimDirectory& directory = reader.directory();
-  std::vector<bool> blocks(directory.blocks.size(), true);
-  if (wish.camera && wish.lod > 0.0) {
-    Result<std::vector<bool>> drawn = drawnBlocks(wish, reader);
-    if (!drawn) return drawn.error();
-    blocks = std::move(*drawn);
-  }
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    blocks[b] = blocks[b] && wish.box(directory.boxOf(directory.blocks[b]));
-  Result<SLIMSurface> surface = reader.load(blocks);
-  if (!surface) return surface.error();
-  surface->buildLinks();
-  Model model;
-  model.surface = std::move(*surface);
-  model.blocks = blocks.size();
-  model.blocks_read = reader.blocksRead();
-  model.box = directory.box();
-  return model;
-}
-
 namespace {
 
 /** What a picture of either kind cost. */
@@ -129,29 +92,6 @@ void reportCounts(const Counts& counts, nlohmann::ordered_json& json) {
 }
 
 }  // namespace
-
-Result<FrameSeconds> timeFrames(SurfaceRenderer& renderer, const Camera& camera,
-                                const RenderParams& params, const ShadingParams& shading,
-                                int repeat) {
-  RenderParams needed = params;
-  needed.columns = columnsFor(shading);
-  GBuffer buffer;
-  std::vector<double> frames, shades;
-  for (int i = 0; i <= repeat; ++i) {
-    Camera moved = camera;
-    moved.pixel_offset = {0.37 * (i % 3), 0.21 * (i % 5)};
-    const Stopwatch frame;
-    if (Error error = renderer.render(moved, needed, buffer)) return error;
-    const double frame_seconds = frame.seconds();
-    const Stopwatch shade_time;
-    const auto image = shade(buffer, moved, shading, renderer.surface().info.scale);
-    if (!image) return image.error();
-    if (i == 0) continue;  // the first frame allocates its buffers
-    frames.push_back(frame_seconds);
-    shades.push_back(shade_time.seconds());
-  }
-  return FrameSeconds{median(frames), median(shades)};
-}
 
 void reportSurface(const Model& model, const RenderStatistics& counts,
                    nlohmann::ordered_json& json) {
@@ -193,24 +133,6 @@ void reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::o
                {"tested_first", counts.tested_first},
                {"tested_blend", counts.tested_blend},
                {"tested_per_ray", counts.testedPerRay()}});
-}
-
-Result<Model> loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole,
-                        int threads, Console& console, Report& report) {
-  console.begin("Loading " + path);
-  Result<Model> model = loadModel(path, wish);
-  if (!model) return model;
-  if (!trim) model->surface.dropTrimMaps();
-  model->surface.closeHoles(hole, threads);
-  report.time("load", console.seconds());
-  if (model->blocks > 0)
-    report.json()["blocks"] = {{"count", model->blocks}, {"read", model->blocks_read}};
-  console.done(model->describe());
-  if (model->skipped > 0) {
-    console.note("  splats left out: " + std::to_string(model->skipped) +
-                 " not finite or without a normal");
-  }
-  return model;
 }
 
 }  // namespace pcl_slim

@@ -140,9 +140,8 @@ Error PageRequest::check(const OptionTable& table, const std::string& output,
                ? refused("-precision", "is for pages: name an output that ends in .html")
                : Error{};
   }
-  for (const char* name :
-       {"size", "bar", "turntable", "region", "aa", "lines", "line_width", "line_curvature",
-        "line_slope", "line_length", "skip", "repeat", "lights", "filtered"}) {
+  for (const char* name : {"size", "bar", "turntable", "region", "aa", "lines", "line_width",
+                           "line_curvature", "line_slope", "line_length", "lights", "filtered"}) {
     if (table.given(name)) {
       return refused("-" + std::string(name), "means nothing in a page: leave it out");
     }
@@ -175,7 +174,7 @@ std::vector<Rule> colorRules(const DrawnThing& d) {
   const bool traced = d.picture.isTraced(), picture = !d.is_page && !traced;
   return {
       {traced,
-       {"range", "map", "bar", "unit", "lighting", "lod", "repeat"},
+       {"range", "map", "bar", "unit", "lighting", "lod"},
        "-mode raytraced does not use it"},
       {!traced, {"lights"}, "only -mode raytraced has lights"},
       {d.lines.sketch, {"ao", "aa", "lighting", "white"}, "-mode sketch draws lines on white"},
@@ -192,7 +191,7 @@ std::vector<Rule> colorRules(const DrawnThing& d) {
 std::vector<Rule> objectRules(const DrawnThing& d) {
   const PictureLineParams found = d.lines.finding(1);
   return {
-      {d.is_splats, {"hole", "trim", "lod", "repeat"}, "it is for surfaces"},
+      {d.is_splats, {"hole", "trim", "lod"}, "it is for surfaces"},
       {!d.is_splats, {"filtered"}, "it is for splats"},
       {!d.trim, {"hole"}, "-trim 0 keeps no borders"},
       {!d.lines.any(), {"line_width"}, "no lines are drawn; give -lines"},

@@ -62,15 +62,14 @@ std::string nameOf(const std::string& path) {
          std::to_string(fs::last_write_time(path, code).time_since_epoch().count());
 }
 
-bool fitsInMemory(std::uint64_t points, const TileRequest& tiles) {
-  const double bytes = kBytesInMemory * static_cast<double>(points);
-  return tiles.max_memory == 0 || bytes <= 0x1p20 * static_cast<double>(tiles.max_memory);
+bool fitsInMemory(std::uint64_t points) {
+  return isWithinMemoryLimit(kBytesInMemory * static_cast<double>(points));
 }
 
 }  // namespace
 
 bool wantsTiles(std::uint64_t points, const TileRequest& tiles) {
-  return points > kTilesOfCloud * tiles.points || !fitsInMemory(points, tiles);
+  return points > kTilesOfCloud * tiles.points || !fitsInMemory(points);
 }
 
 void declarePlanOptions(OptionTable& options, TileRequest& tiles) {
@@ -103,7 +102,7 @@ Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tile
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
   // Loading the scan reports any other defect than a form that cannot be streamed.
   if (!layout) return needed ? layout.error() : Error();
-  const bool fits = fitsInMemory(layout->count, tiles);
+  const bool fits = fitsInMemory(layout->count);
   if (layout->has_sensors && !layout->normal && !job.params.viewpoint) {
     const Error own{ErrorCode::kBadArgument,
                     "the sensors of single points (vp_x vp_y vp_z) are not used by tiles: give one "
@@ -399,6 +398,11 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
   Error error = fitByTiles(source, job, tiles, console, report, nullptr, made);
   surface = std::move(made.surface);
   return error;
+}
+
+Exit exitOfTiles(const Error& error) {
+  const bool usage = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kBadArgument;
+  return usage ? Exit::usage(error) : Exit(error);
 }
 
 void removePlan(const std::string& folder) {

@@ -19,11 +19,10 @@ namespace pcl_slim {
 struct TileRequest {
   std::uint64_t points = StreamParams().tile_points;  ///< of a tile; 0: never by tiles
   bool asked = false;                                 ///< the user gave the tile's points
-  std::string scratch, plan;     ///< folders; plan: of a fit that can be continued, or none
-  std::string range;             ///< "A:B": fit these tiles only
-  std::string source_name;       ///< the scan's path, size and date: set by openForTiles()
-  std::uint64_t max_memory = 0;  ///< megabytes; 0: no limit
-  Ranks* ranks = nullptr;        ///< of a job, which fits by tiles always; null: one process
+  std::string scratch, plan;  ///< folders; plan: of a fit that can be continued, or none
+  std::string range;          ///< "A:B": fit these tiles only
+  std::string source_name;    ///< the scan's path, size and date: set by openForTiles()
+  Ranks* ranks = nullptr;     ///< of a job, which fits by tiles always; null: one process
 };
 
 /** \brief What a fit by tiles makes. */
@@ -65,6 +64,10 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
 /** \brief The same into one surface. */
 Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
                  Report& report, SLIMSurface& surface);
+
+/** \brief The end of work that reads its scan while it goes on: of one that cannot be read, or cannot
+ * be fitted by tiles, the end is as of one that could not be loaded. */
+Exit exitOfTiles(const Error& error);
 
 /** \brief Removes what -plan keeps from its folder, once the surface is written. */
 void removePlan(const std::string& folder);

@@ -302,7 +302,7 @@ Error treatScene(const Settings& s, const Scene& scene, Console& console,
   measured.input = inputErrors(scene);
   for (std::size_t i = 0; i < scene.size(); ++i) measured.judged += scene.isJudged(i);
   for (const comparison::Setting& setting : s.plan.settingsFor(scene)) {
-    if (console.interrupted()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+    if (console.interrupted()) return stopped();
     console.begin(measured.title() + ": " + methodName(setting.method) + " " + setting.text() +
                   (setting.normals ? ", normals given" : ""));
     const Result<Run> run = runSetting(scene, setting, s.plan.repeats());
@@ -314,7 +314,9 @@ Error treatScene(const Settings& s, const Scene& scene, Console& console,
   return {};
 }
 
-int runSweeps(const Settings& s, const OptionTable& options, const std::string& command) {
+Exit run(const OptionTable& options, Settings& s, const std::string& command) {
+  if (Error error = s.plan.finishOptions(options)) return Exit::usage(error);
+  if (Error error = comparison::checkTables(s.prefix)) return error;
   Console console(s.quiet);
   std::vector<SceneRuns> scenes;
   bool loaded = false;
@@ -322,34 +324,21 @@ int runSweeps(const Settings& s, const OptionTable& options, const std::string& 
     loaded = true;
     return treatScene(s, scene, console, scenes);
   });
-  if (error && !loaded) return fail(options.program(), kExitUsage, error.message);
-  if (error) return failWork(options.program(), error);
+  if (error) return loaded ? Exit(error) : Exit::usage(error);
   error =
       comparison::writeTables(s.prefix, csvText(scenes), markdownText(scenes, command), console);
-  if (error) return fail(options.program(), kExitFailed, error.message);
-  if (!s.chart) return kExitDone;
+  if (error || !s.chart) return error;
   error = drawChart(scenes, s.prefix + ".png");
   console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
-  return kExitDone;
-}
-
-int run(int argc, char** argv) {
-  Settings s;
-  OptionTable options = declareOptions(s);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  if (Error error = s.plan.finishOptions(options)) {
-    return fail(options.program(), kExitUsage, error.message);
-  }
-  if (const Error error = comparison::checkTables(s.prefix)) {
-    return fail(options.program(), kExitFailed, error.message);
-  }
-  return runSweeps(s, options, commandLine(argc, argv));
+  return {};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  pcl_slim::measure::keepFreedMemory();
-  return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
-                           [&] { return run(argc, argv); });
+  measure::keepFreedMemory();
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give smaller -points",
+                    [&] { return run(options, s, commandLine(argc, argv)); });
 }

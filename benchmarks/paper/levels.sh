@@ -8,7 +8,9 @@ bin=$1 out=$2
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 mkdir -p -- "$out"
-render() { "$bin/pcl_slim_render" "$work/statue.slim" -size 730x650 -white 1 -quiet 1 "$@"; }
+size="-size 730x650"
+# shellcheck disable=SC2086 # an option and its value
+render() { "$bin/pcl_slim_render" "$work/statue.slim" $size -white 1 -quiet 1 "$@"; }
 field() { sed -n "s/.*\"$1\": \([0-9.e-]*\).*/\1/p" "$2" | head -n 1; }
 
 "$bin/scale_bench" make statue 5000000 0 "$work/statue.ply" > /dev/null
@@ -30,8 +32,10 @@ for far in 1 2 4 8; do
   row="| $far times as far |"
   for detail in 0 1 2 4 8; do
     name=$work/${detail}_$far
-    render "$name.png" -lod $detail -camera "$work/camera.txt" -repeat 5 -threads 1 -json "$name.json"
-    row+=" $(awk -v s="$(field frame "$name.json")" 'BEGIN { printf "%.0f", 1000 * s }') |"
+    render "$name.png" -lod $detail -camera "$work/camera.txt" -threads 1
+    # shellcheck disable=SC2086
+    row+=" $("$bin/frame_times" "$work/statue.slim" $size -lod $detail -camera "$work/camera.txt" -repeat 5 -threads 1 |
+      awk '{ printf "%.0f", 1000 * $2 }') |"
   done
   echo "$row"
 done | tee "$out/fig10.md"

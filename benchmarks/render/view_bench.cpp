@@ -61,9 +61,9 @@ Error addNormals(const PointStore& store, Models& models) {
   return {};
 }
 
-Error makeModels(const Settings& s, Models& models) {
+Error makeModels(const OptionTable& options, const Settings& s, Models& models) {
   Console console(true);
-  Report report("view_bench", "", s.scan, s.fit.params.threads);
+  Report report(options, s.scan, s.fit.params.threads);
   const Result<CloudFile> cloud = loadScan(s.scan, s.fit, console, report);
   if (!cloud) return cloud.error();
   PointStore store;
@@ -132,19 +132,17 @@ void timeModels(const Settings& s, const Models& models) {
   timeSurface(viewer, s, 3, RayBackend::kOpenGL, DisplayMode::kShaded, "SLIM surface, OpenGL");
 }
 
-int run(const Settings& s) {
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishFitOptions(s.fit)) return Exit::usage(error);
   Models models;
-  if (const Error error = makeModels(s, models)) {
-    std::fprintf(stderr, "view_bench: %s\n", error.message.c_str());
-    return kExitFailed;
-  }
+  if (Error error = makeModels(options, s, models)) return error;
   std::printf(
       "%s: %zu points; %zu leaves of degree %d, fitted in %.1f s; %zu triangles, Poisson of "
       "depth %d in %.1f s\n\n",
       s.scan.c_str(), models.points->size(), models.surface.numLeaves(), models.surface.info.degree,
       models.fit_seconds, models.mesh.polygons.size(), s.depth, models.mesh_seconds);
   timeModels(s, models);
-  return kExitDone;
+  return {};
 }
 
 }  // namespace
@@ -159,10 +157,5 @@ int main(int argc, char** argv) {
   table.number("lod", &s.lod, 0.0, 1024.0, "level of detail in pixels");
   declareFitOptions(table, s.fit);
   declareTrimOptions(table, s.fit);
-  if (const auto status = table.parse(argc, argv)) return *status;
-  if (const Error error = finishFitOptions(s.fit)) {
-    std::fprintf(stderr, "view_bench: %s\n", error.message.c_str());
-    return kExitUsage;
-  }
-  return run(s);
+  return runProgram(table, argc, argv, "give a smaller scan", [&] { return run(table, s); });
 }

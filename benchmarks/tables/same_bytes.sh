@@ -92,7 +92,7 @@ everything() {
   for mode in normal mean gauss kmax kmin level size error reflection color raytraced crest contours sketch; do
     sum "$bin" "picture $mode $label" "$work/out.png" pcl_slim_render "$slim" "$work/out.png" -size 320x240 -mode $mode "${t[@]}"
   done
-  for mode in '-lines all' '-lod 4' '-trim 0 -aa 1' '-hole 8 -ortho 1 -view iso' '-mode mean -bar 1 -sides both' '-skip 0' \
+  for mode in '-lines all' '-lod 4' '-trim 0 -aa 1' '-hole 8 -ortho 1 -view iso' '-mode mean -bar 1 -sides both' \
     '-ao 0 -white 1 -up z -view 30,20'; do
     # shellcheck disable=SC2086
     sum "$bin" "picture $mode $label" "$work/out.ppm" pcl_slim_render "$slim" "$work/out.ppm" -size 320x240 $mode "${t[@]}"

@@ -12,11 +12,11 @@ done
 expect 0 '' pcl_color_splat_sampling scan.pcd gradient.ply -max_splats 600 -rays 0 -colors gradient
 expect 0 '' pcl_slim_fit scan.pcd surface.pcd -color 0
 
-# Both formats hold the same discs; threads and skipping change nothing, options do.
+# Both formats hold the same discs; threads change nothing, options do.
 small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render splats.pcd color.png $small -json report.json -threads 1
 grep -q '^> Loading splats.pcd \[done, .* splats\]' out.txt || complain "no Loading line"
-expect 0 '' pcl_slim_render splats.ply ply.png $small -threads 4 -skip 0 -mode color -lighting 0
+expect 0 '' pcl_slim_render splats.ply ply.png $small -threads 4 -mode color -lighting 0
 same color.png ply.png
 for key in program version input points threads total load render peak_rss_mb splats gradient \
   covered_pixels overlap unusable outside_frustum camera; do
