@@ -9,11 +9,15 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr const char* kVertex = R"(//VTK::System::Dec
+//VTK::Picking::Dec
+//VTK::PrimID::Dec
 uniform vec4 slimRectangle;  // left, bottom, right, top in normalised device coordinates
 void main()
 {
   gl_Position = vec4((gl_VertexID & 1) == 0 ? slimRectangle.x : slimRectangle.z,
                      (gl_VertexID & 2) == 0 ? slimRectangle.y : slimRectangle.w, 0.0, 1.0);
+  //VTK::PrimID::Impl
+  //VTK::Picking::Impl
 }
 )";
 
@@ -189,6 +193,7 @@ constexpr const char* kUnlit = R"(
   if (slimLine.a > 0.0) {
     gl_FragData[0].rgb = pow(mix(slimPaper, slimInk, slimOff ? 1.0 : slimLine.a), vec3(1.0 / 2.2));
   }
+  //VTK::TCoord::Impl
 )";
 
 /** \brief Clipping planes in view coordinates: n.x >= d of the model is (R n).y >= s d + (R n).m

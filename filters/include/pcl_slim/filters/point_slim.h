@@ -26,9 +26,11 @@ struct EIGEN_ALIGN16 PointSLIM {
   float degree;  ///< degree of the polynomial, 1..4
   float level;   ///< level of the hierarchy, 1 = coarsest
   float leaf;    ///< 0: internal node, 1: leaf, 3: leaf that ended by minimum support; 4 more if
+                 ///< data end or leave a hole in its ball
   float error;   ///< weighted RMS residual of the fit, cloud units
   float confidence;                   ///< effective number of points behind the fit
   std::uint32_t trim_low, trim_high;  ///< then: 8 x 8 bits over the square about the ball, where
+                                      ///< data are; row by row from v = -r, lowest bit u = -r
 
   PointSLIM()
       : data{0.0f, 0.0f, 0.0f, 1.0f},

@@ -97,6 +97,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     kMaximum,          ///< k1, the larger principal curvature, 1/length
     kMinimum,          ///< k2, 1/length
     kSurfaceVariation  ///< what pcl::MovingLeastSquares writes: the least eigenvalue's share of the
+                       ///< covariance within the search radius, 0 to 1/3
   };
 
   /** \brief Chooses it. kSurfaceVariation is computed from the curvatures and the noise, and needs

@@ -76,6 +76,7 @@ class BallScan {
 
  private:
   static constexpr std::size_t kAhead = 4;  ///< blocks between a prefetch and its use; no result
+                                            ///< depends on it
 
   /** Blocks out of line are not fetched ahead by themselves. */
   HWY_INLINE void prefetch(std::uint32_t b) const {

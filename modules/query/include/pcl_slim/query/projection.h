@@ -20,8 +20,9 @@ struct ProjectionParams {
   bool extremality = false;  ///< also their derivatives along the directions; implies directions
   bool sharp_features =
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
-  double reach =
-      0;  ///< > 0: the points are places, not measurements of the surface: leaves up to this
+  /// > 0: the points are places, not measurements of the surface: leaves up to this share of a
+  /// ball's radius away count, whatever the residuals
+  double reach = 0;
   int threads = 0;  ///< 0: all cores; never changes the result
 };
 

@@ -53,6 +53,7 @@ struct PCL_SLIM_EXPORT TraceParams {
 /** \brief How light comes to the points of a G-buffer. */
 struct LightBuffer {
   std::vector<float> visible;  ///< 1: light l reaches pixel i; at l * pixels + i. 0 also where the
+                               ///< point is turned away from the light or there is none
   std::vector<float> open;     ///< share of the occlusion rays that met nothing; 1 without any
 };
 

@@ -33,6 +33,7 @@ struct PCL_SLIM_EXPORT RenderParams {
   bool trim = true;         ///< end open surfaces, and open holes, by their trim maps
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   double lod = 0.0;         ///< surfels of this projected diameter in pixels, or an error of a
+                            ///< sixteenth, replace their descendants; 0: every leaf is drawn
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
   /** Rays that slip between shrunk balls where most pixels about theirs meet the surface are traced
    * again, as with TraceParams::close_gaps. A frame with lod, cuts, shrink, min_coverage or without
