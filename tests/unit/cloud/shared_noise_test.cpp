@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "noise/patch_scale.h"
+#include "noise/patch.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
