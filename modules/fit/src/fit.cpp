@@ -136,11 +136,11 @@ void keepSides(const std::vector<std::uint32_t>& outliers, int threads, CloudSid
   if (fitted->drift() > 0) all.moveTo(places, threads);
 }
 
-/** The paper's section 2, after noise and sides are measured. \param[in] params settled
- * \param[out] kept the same store, which keeps the sides found; null: nothing keeps them */
+/** The paper's section 2, after noise and sides are measured. \param[in] all without sides of an
+ * earlier fit \param[in] params settled */
 Error fitStages(const FitConstants& constants, const PointStore& all, const FitParams& params,
-                PointStore* kept, SLIMSurface& surface, FitStatistics* statistics,
-                Progress* progress) {
+                SLIMSurface& surface, FitStatistics* statistics, Progress* progress,
+                PointStore* kept) {
   const int threads = resolveThreads(params.threads);
   FitSeconds seconds;
   Stopwatch watch;
@@ -178,34 +178,23 @@ Error fitStages(const FitConstants& constants, const PointStore& all, const FitP
   return {};
 }
 
-/** \param[in] all without sides of an earlier fit \param[out] kept as above */
-Error fitStore(const FitConstants& constants, const PointStore& all, const FitParams& asked,
-               PointStore* kept, SLIMSurface& surface, FitStatistics* statistics,
-               Progress* progress) {
-  surface.clear();
-  const Result<FitParams> params = settledParams(all, asked, constants.preset);
-  if (!params) return params.error();
-  Error error = fitStages(constants, all, *params, kept, surface, statistics, progress);
-  if (error) surface.clear();
-  return error;
-}
-
 }  // namespace
 
 Error fitWithConstants(const FitConstants& constants, const PointStore& store,
-                       const FitParams& params, SLIMSurface& surface, FitStatistics* statistics,
-                       Progress* progress) {
-  if (!store.hasSides() || store.hasNormals())
-    return fitStore(constants, store, params, nullptr, surface, statistics, progress);
-  PointStore unsided = store;
-  unsided.clearSides();
-  return fitStore(constants, unsided, params, nullptr, surface, statistics, progress);
-}
-
-Error fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
-                       SLIMSurface& surface, FitStatistics* statistics, Progress* progress) {
-  store.clearSides();
-  return fitStore(constants, store, params, &store, surface, statistics, progress);
+                       const FitParams& asked, SLIMSurface& surface, FitStatistics* statistics,
+                       Progress* progress, PointStore* kept) {
+  surface.clear();
+  std::optional<PointStore> unsided;  // a copy without sides of an earlier fit
+  if (kept != nullptr)
+    kept->clearSides();
+  else if (store.hasSides() && !store.hasNormals())
+    unsided.emplace(store).clearSides();
+  const PointStore& all = unsided ? *unsided : store;
+  const Result<FitParams> params = settledParams(all, asked, constants.preset);
+  if (!params) return params.error();
+  Error error = fitStages(constants, all, *params, surface, statistics, progress, kept);
+  if (error) surface.clear();
+  return error;
 }
 
 }  // namespace detail
@@ -217,7 +206,7 @@ Error fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& 
 
 Error fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
                  FitStatistics* statistics, Progress* progress) {
-  return detail::fitWithConstants({}, store, params, surface, statistics, progress);
+  return detail::fitWithConstants({}, store, params, surface, statistics, progress, &store);
 }
 
 }  // namespace pcl_slim

@@ -129,14 +129,10 @@ struct FitConstants {
 };
 
 /** \brief fitSurface() with other tuning constants than the library's: for measuring what each is
- * worth. */
+ * worth. \param[out] kept the store itself, if it is to keep the sides and places found */
 Error fitWithConstants(const FitConstants& constants, const PointStore& store,
                        const FitParams& params, SLIMSurface& surface,
-                       FitStatistics* statistics = nullptr, Progress* progress = nullptr);
-
-/** \brief The same of a store that keeps the sides found. */
-Error fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
-                       SLIMSurface& surface, FitStatistics* statistics = nullptr,
-                       Progress* progress = nullptr);
+                       FitStatistics* statistics = nullptr, Progress* progress = nullptr,
+                       PointStore* kept = nullptr);
 
 }  // namespace pcl_slim::detail

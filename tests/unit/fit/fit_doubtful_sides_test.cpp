@@ -78,7 +78,8 @@ std::vector<Vector3> placesOf(const Fitted& f) {
 Fitted fittedWith(const detail::FitConstants& constants, const Cloud& cloud) {
   Fitted f;
   f.store = storeOf(cloud);
-  EXPECT_FALSE(detail::fitWithConstants(constants, f.store, {}, f.surface, &f.statistics, nullptr));
+  EXPECT_FALSE(detail::fitWithConstants(constants, f.store, {}, f.surface, &f.statistics, nullptr,
+                                        &f.store));
   EXPECT_FALSE(projectPoints(f.store, f.surface, {}, f.projection));
   return f;
 }

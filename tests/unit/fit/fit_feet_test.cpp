@@ -75,7 +75,7 @@ TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts) {
     Fitted points;
     points.store = storeOf(cloud);
     ASSERT_FALSE(detail::fitWithConstants(constants, points.store, {}, points.surface,
-                                          &points.statistics, nullptr));
+                                          &points.statistics, nullptr, &points.store));
     ASSERT_FALSE(projectPoints(points.store, points.surface, {}, points.projection));
     EXPECT_EQ(points.statistics.sides.plane_neighbors, 0u);
     EXPECT_EQ(points.store.drift(), 0);
@@ -115,9 +115,10 @@ TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried) {
   PointStore store = storeOf(cloud), other = store;
   SLIMSurface surface, expected;
   FitStatistics statistics, expected_statistics;
-  ASSERT_FALSE(detail::fitWithConstants(no_sides, store, {}, surface, &statistics, nullptr));
   ASSERT_FALSE(
-      detail::fitWithConstants(no_feet, other, {}, expected, &expected_statistics, nullptr));
+      detail::fitWithConstants(no_sides, store, {}, surface, &statistics, nullptr, &store));
+  ASSERT_FALSE(detail::fitWithConstants(no_feet, other, {}, expected, &expected_statistics, nullptr,
+                                        &other));
   EXPECT_GT(statistics.sides.points, 0u);
   EXPECT_EQ(statistics.sides.plane_neighbors, 0u);
   EXPECT_EQ(statistics.sides.confidence, expected_statistics.sides.confidence);
