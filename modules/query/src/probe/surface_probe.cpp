@@ -161,21 +161,12 @@ constexpr float kNoiseErrors = 3.0f;   ///< and by this many deviations of the n
 constexpr float kSoftening = 0.05f;    ///< of r: nearer leaves are equally near
 
 ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
-  ProbeLeaf placed{{}, {surface.cx[i], surface.cy[i], surface.cz[i]}, surface.effective_count[i]};
-  BlockLeaf& leaf = placed.leaf;
-  const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
-  for (std::size_t a = 0; a < 3; ++a) {
-    leaf.u[a] = static_cast<float>(frame.u[a]);
-    leaf.v[a] = static_cast<float>(frame.v[a]);
-    leaf.w[a] = static_cast<float>(frame.w[a]);
-  }
-  leaf.radius = surface.radius[i];
   const double gate = std::max(kLeastErrorGate, kErrorGate * surface.error[i] / surface.radius[i]);
-  leaf.max_residual = static_cast<float>(gate);
-  leaf.max_offset = static_cast<float>(offsetGate(gate, noise, surface.radius[i]));
+  ProbeLeaf placed{blockLeaf(surface, i, gate, noise),
+                   {surface.cx[i], surface.cy[i], surface.cz[i]},
+                   surface.effective_count[i]};
+  BlockLeaf& leaf = placed.leaf;
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
-  leaf.degree = surface.degree[i];
-  leaf.c = surface.coefficientsOf(i);
   if (surface.hasColors()) leaf.color = surface.colors.data() + i * kColorBytes;
   return placed;
 }

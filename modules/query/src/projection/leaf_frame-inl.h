@@ -69,8 +69,8 @@ class LeafFrame {
     return dot3(u_[a], v_[a], w_[a], p.u, p.v, p.w);
   }
 
-  Vec axisU(int a) const { return u_[a]; }
-  Vec axisV(int a) const { return v_[a]; }
+  const Vec* axisU() const { return u_; }
+  const Vec* axisV() const { return v_; }
 
  private:
   Vec inverse_, shift_[3], u_[3], v_[3], w_[3];
@@ -87,33 +87,28 @@ HWY_INLINE void addTo(float* target, Mask mask, Vec value) {
   Store(Load(d, target) + IfThenElseZero(mask, value), d, target);
 }
 
-/** Adds scale times the Hessian H = huu u u^T + huv (u v^T + v u^T) + hvv v v^T. */
+/** Adds scale times the Hessian of h, in the block's axes. */
 template <int D>
 HWY_INLINE void addHessian(const LeafFrame& frame, const LeafCoefficients<D>& c, const Local& q,
                            Mask near, Vec scale, std::size_t i, BlockSums& sums) {
-  const SecondDerivatives<Vec> h = secondDerivatives<D>(c, q.u, q.v);
-  for (int a = 0; a < 3; ++a) {
-    const Vec along_u = MulAdd(h.uu, frame.axisU(a), h.uv * frame.axisV(a));
-    const Vec along_v = MulAdd(h.uv, frame.axisU(a), h.vv * frame.axisV(a));
-    for (int b = a; b < 3; ++b) {
-      const Vec entry = MulAdd(along_u, frame.axisU(b), along_v * frame.axisV(b));
-      addTo(sums.hessian[kSymmetricEntry[a][b]] + i, near, scale * entry);
-    }
-  }
+  Vec hessian[6];
+  hessianIn(frame.axisU(), frame.axisV(), secondDerivatives<D>(c, q.u, q.v), hessian);
+  for (int k = 0; k < 6; ++k) addTo(sums.hessian[k] + i, near, scale * hessian[k]);
 }
 
 /** Adds scale times the third derivatives, turned from the frame's axes to the block's. */
 HWY_INLINE void addThird(const LeafFrame& frame, const ThirdDerivatives<Vec>& h, Mask near,
                          Vec scale, std::size_t i, BlockSums& sums) {
+  const Vec *const u = frame.axisU(), *const v = frame.axisV();
   for (int a = 0, k = 0; a < 3; ++a) {
     for (int b = a; b < 3; ++b) {
-      const Vec uu = frame.axisU(a) * frame.axisU(b);
-      const Vec vv = frame.axisV(a) * frame.axisV(b);
-      const Vec uv = MulAdd(frame.axisU(a), frame.axisV(b), frame.axisV(a) * frame.axisU(b));
+      const Vec uu = u[a] * u[b];
+      const Vec vv = v[a] * v[b];
+      const Vec uv = MulAdd(u[a], v[b], v[a] * u[b]);
       const Vec along_u = MulAdd(h.uuu, uu, MulAdd(h.uuv, uv, h.uvv * vv));
       const Vec along_v = MulAdd(h.uuv, uu, MulAdd(h.uvv, uv, h.vvv * vv));
       for (int c = b; c < 3; ++c, ++k) {
-        const Vec entry = MulAdd(along_u, frame.axisU(c), along_v * frame.axisV(c));
+        const Vec entry = MulAdd(along_u, u[c], along_v * v[c]);
         addTo(sums.third[k] + i, near, scale * entry);
       }
     }

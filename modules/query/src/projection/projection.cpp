@@ -29,6 +29,22 @@ std::array<float, 3> directionOf(const kernels::HWY_NAMESPACE::Triple<double>& d
 
 }  // namespace
 
+BlockLeaf blockLeaf(const SLIMSurface& surface, std::uint32_t i, double residual, double noise) {
+  BlockLeaf leaf{};
+  const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
+  for (std::size_t a = 0; a < 3; ++a) {
+    leaf.u[a] = static_cast<float>(frame.u[a]);
+    leaf.v[a] = static_cast<float>(frame.v[a]);
+    leaf.w[a] = static_cast<float>(frame.w[a]);
+  }
+  leaf.radius = surface.radius[i];
+  leaf.max_residual = static_cast<float>(residual);
+  leaf.max_offset = static_cast<float>(offsetGate(residual, noise, surface.radius[i]));
+  leaf.degree = surface.degree[i];
+  leaf.c = surface.coefficientsOf(i);
+  return leaf;
+}
+
 std::array<float, 2> meanAndGaussian(const Vector3& g, const Symmetric3<double>& h) {
   const kernels::HWY_NAMESPACE::LevelSetCurvatures<double> curvature(g.data(), h.data());
   return {static_cast<float>(curvature.mean), static_cast<float>(curvature.gaussian)};
@@ -278,22 +294,12 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
 }
 
 BlockProjector::PlacedLeaf BlockProjector::placed(std::uint32_t i) const {
-  PlacedLeaf placed{{}, placement_.center(surface_, i)};
-  BlockLeaf& leaf = placed.leaf;
-  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
-  for (int a = 0; a < 3; ++a) {
-    leaf.u[a] = static_cast<float>(frame.u[a]);
-    leaf.v[a] = static_cast<float>(frame.v[a]);
-    leaf.w[a] = static_cast<float>(frame.w[a]);
-  }
-  leaf.radius = placement_.radius(surface_, i);
   const double residual = kErrorGate * surface_.error[i] / surface_.radius[i] + kRounding;
-  leaf.max_residual = static_cast<float>(residual);
-  leaf.max_offset = static_cast<float>(offsetGate(residual, noise_, surface_.radius[i]));
+  PlacedLeaf placed{blockLeaf(surface_, i, residual, noise_), placement_.center(surface_, i)};
+  BlockLeaf& leaf = placed.leaf;
+  leaf.radius = placement_.radius(surface_, i);
   if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
-  leaf.degree = surface_.degree[i];
-  leaf.c = surface_.coefficientsOf(i);
   leaf.trim = trims_.of(i);
   return placed;
 }

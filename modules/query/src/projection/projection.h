@@ -77,6 +77,11 @@ void addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const Bl
 
 }  // namespace kernels
 
+/** \brief A leaf's frame, polynomial and gates, in the surface's local units; its shift, weight and
+ * trim map are left to the caller.
+ * \param[in] residual the largest that counts [r] \param[in] noise deviation, local units */
+BlockLeaf blockLeaf(const SLIMSurface& surface, std::uint32_t i, double residual, double noise);
+
 /** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
  * \param[in] g gradient, longer than kLeastGradient; \param[in] h Hessian.
  * Positive where the surface bends away from g. */

@@ -144,25 +144,16 @@ struct BlendContext {
 template <int D>
 HWY_INLINE void addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v,
                                Vec weight, bool with_hessian, LaneSums& sums) {
-  const Slopes<Vec> h = slopesOf<D>(block, u, v);
   const Vec fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
             fw[3] = {frame.w.x, frame.w.y, frame.w.z};
-  for (int a = 0; a < 3; ++a) {
-    const Vec g = NegMulAdd(h.u, fu[a], NegMulAdd(h.v, fv[a], fw[a]));
-    sums.gradient[a] = MulAdd(weight, g, sums.gradient[a]);
-  }
+  Vec gradient[3];
+  gradientIn(fu, fv, fw, slopesOf<D>(block, u, v), gradient);
+  for (int a = 0; a < 3; ++a) sums.gradient[a] = MulAdd(weight, gradient[a], sums.gradient[a]);
   if (!with_hessian) return;
-  const SecondDerivatives<Vec> bend = secondDerivatives<D>(block, u, v);
   const Vec scale = Neg(weight * block.column(kBlockInverseRadius));
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = i; j < 3; ++j) {
-      const Vec mixed = MulAdd(fu[i], fv[j], fv[i] * fu[j]);
-      const Vec entry =
-          MulAdd(bend.uu * fu[i], fu[j], MulAdd(bend.uv, mixed, bend.vv * fv[i] * fv[j]));
-      Vec& sum = sums.hessian[kSymmetricEntry[i][j]];
-      sum = MulAdd(scale, entry, sum);
-    }
-  }
+  Vec hessian[6];
+  hessianIn(fu, fv, secondDerivatives<D>(block, u, v), hessian);
+  for (int k = 0; k < 6; ++k) sums.hessian[k] = MulAdd(scale, hessian[k], sums.hessian[k]);
 }
 
 /** Remembers the surfel of the largest weight of each lane. */

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hwy/highway.h"
+#include "pcl_slim/leaf/detail/height-inl.h"
 #include "pcl_slim/leaf/detail/level_set-inl.h"
 
 namespace pcl_slim::detail {
@@ -33,21 +34,17 @@ bool hasData(const RaySurfel& surfel, const Vector3& q) {
 
 /** \brief Adds w grad f and w H of a leaf, turned by sign, in world axes. */
 void addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum) {
-  const Vector3 &u = surfel.frame.u, &v = surfel.frame.v, &w = surfel.frame.w;
-  for (int k = 0; k < 3; ++k) {
-    sum.gradient[k] += weight * (w[k] - jet.hu * u[k] - jet.hv * v[k]);
+  using namespace kernels::HWY_NAMESPACE;
+  const LocalFrame& frame = surfel.frame;
+  double gradient[3], hessian[6];
+  gradientIn(frame.u.data(), frame.v.data(), frame.w.data(), Slopes<double>{jet.h, jet.hu, jet.hv},
+             gradient);
+  for (int a = 0; a < 3; ++a) sum.gradient[a] += weight * gradient[a];
+  const SecondDerivatives<double> bend{jet.huu, jet.huv, jet.hvv};
+  hessianIn(frame.u.data(), frame.v.data(), bend, hessian);
+  for (std::size_t k = 0; k < 6; ++k) {
+    sum.hessian[k] -= weight * surfel.inverse_radius * hessian[k];
   }
-  const double scale = -weight * surfel.inverse_radius;
-  const auto entry = [&](int i, int j) {
-    return scale *
-           (jet.huu * u[i] * u[j] + jet.huv * (u[i] * v[j] + v[i] * u[j]) + jet.hvv * v[i] * v[j]);
-  };
-  sum.hessian[kXX] += entry(0, 0);
-  sum.hessian[kYY] += entry(1, 1);
-  sum.hessian[kZZ] += entry(2, 2);
-  sum.hessian[kXY] += entry(0, 1);
-  sum.hessian[kXZ] += entry(0, 2);
-  sum.hessian[kYZ] += entry(1, 2);
 }
 
 /** \brief The root nearest to s_hat, of those on the chord that count. \return false when there is

@@ -9,6 +9,7 @@
 #define PCL_SLIM_HEIGHT_INL
 #endif
 
+#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/leaf/detail/numbers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -96,6 +97,25 @@ HWY_INLINE ThirdDerivatives<V> thirdDerivatives(const C& c, V u, V v) {
     h.vvv += MulAdd(six * c(13), u, many * c(14) * v);
   }
   return h;
+}
+
+// Derivatives of f in the axes that the frame's own, u, v and w, are given in.
+
+/** The gradient w - hu u - hv v. */
+template <class V>
+HWY_INLINE void gradientIn(const V* u, const V* v, const V* w, const Slopes<V>& h, V* gradient) {
+  for (int a = 0; a < 3; ++a) gradient[a] = NegMulAdd(h.u, u[a], NegMulAdd(h.v, v[a], w[a]));
+}
+
+/** The Hessian huu u u^T + huv (u v^T + v u^T) + hvv v v^T of h; that of f is its negative. */
+template <class V>
+HWY_INLINE void hessianIn(const V* u, const V* v, const SecondDerivatives<V>& h, V* hessian) {
+  for (int a = 0; a < 3; ++a) {
+    const V along_u = MulAdd(h.uu, u[a], h.uv * v[a]), along_v = MulAdd(h.uv, u[a], h.vv * v[a]);
+    for (int b = a; b < 3; ++b) {
+      hessian[kSymmetricEntry[a][b]] = MulAdd(along_u, u[b], along_v * v[b]);
+    }
+  }
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
