@@ -72,7 +72,6 @@ Result<Outcome> measureAccuracy(Shape shape, const Scene& scene, const FitParams
   ProjectionParams projection_params;
   projection_params.curvature = true;
   projection_params.threads = params.threads;
-  projection_params.paper_mode = params.paper_mode;
   Projection projection;
   if (Error error = projectPoints(*store, surface, projection_params, projection)) return error;
   outcome.accuracy = compare(shape, *store, projection);

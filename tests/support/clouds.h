@@ -84,7 +84,6 @@ inline Fitted fitted(const Cloud& cloud, pcl_slim::FitParams params = {}, bool c
   }
   pcl_slim::ProjectionParams projection;
   projection.curvature = curvature;
-  projection.paper_mode = params.paper_mode;
   projection.sharp_features = params.sharp_features;
   projection.threads = 1;
   const pcl_slim::Error project = projectPoints(f.store, f.surface, projection, f.projection);

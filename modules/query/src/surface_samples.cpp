@@ -244,7 +244,6 @@ Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Pr
   ProjectionParams params;
   params.curvature = true;
   params.reach = kReach;
-  params.paper_mode = surface.info.paper_mode;
   params.threads = threads;
   Projection projection;
   if (Error error = projectPoints(*store, surface, params, projection, progress)) return error;

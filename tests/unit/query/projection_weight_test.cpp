@@ -35,11 +35,10 @@ SLIMSurface twoLeaves(const PointStore& store, float error, float other_error, d
 }
 
 /** How far the point nearest to the leaves' centre is lifted, local units. */
-double lift(const PointStore& store, const SLIMSurface& surface, bool paper) {
-  ProjectionParams params;
-  params.paper_mode = paper;
+double lift(const PointStore& store, SLIMSurface surface, bool paper) {
+  surface.info.paper_mode = paper;
   Projection projection;
-  EXPECT_FALSE(projectPoints(store, surface, params, projection));
+  EXPECT_FALSE(projectPoints(store, surface, {}, projection));
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const auto p = store.position(i), q = store.position(nearest);

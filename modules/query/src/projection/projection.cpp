@@ -295,11 +295,11 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       with_directions_(params.directions || params.extremality),
       reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
-      by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode),
+      by_normals_(surface.info.oriented && store.hasSides() && !surface.info.paper_mode),
       sides_may_be_wrong_(by_normals_ && !store.hasNormals()) {
   rules_.kernel = surface.info.blend_kernel;
   rules_.oriented = surface.info.oriented;
-  rules_.guarded = !params.paper_mode;
+  rules_.guarded = !surface.info.paper_mode;
   rules_.with_hessian = params.curvature || with_directions_;
   rules_.with_third = params.extremality;
   if (by_normals_) min_dot_ = params.sharp_features ? kSharpDot : normalBound(store);
