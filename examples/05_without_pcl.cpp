@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Smooths lines of "x y z" without PCL: the modules alone.
-#include <pcl_slim/cloud/point_store.h>
-#include <pcl_slim/fit/fit.h>
-#include <pcl_slim/query/projection.h>
+#include <pcl_slim/scan/scan.h>
 
+#include <array>
 #include <fstream>
 #include <iostream>
 #include <vector>
@@ -17,38 +16,34 @@ int main(int argc, char** argv) {
   std::vector<double> xyz;
   for (double value; input >> value;) xyz.push_back(value);
 
-  // A view of points owned by somebody else. The store is their copy in Morton order.
+  // A view of points owned by somebody else.
   pcl_slim::CloudView view;
   view.xyz = xyz.data();
   view.xyz_stride = 3 * sizeof(double);
   view.scalar = pcl_slim::CloudView::Scalar::kDouble;
   view.size = xyz.size() / 3;
-  const pcl_slim::Result<pcl_slim::PointStore> store = pcl_slim::PointStore::build(view);
-  if (!store) {
-    std::cerr << store.error().message << "\n";
-    return 2;
-  }
-
-  pcl_slim::SLIMSurface surface;
-  pcl_slim::Projection projection;
-  pcl_slim::Error error = pcl_slim::fitSurface(*store, {}, surface);
-  if (!error) error = pcl_slim::projectPoints(*store, surface, {}, projection);
-  if (error) {
+  pcl_slim::FittedScan fitted;
+  if (const pcl_slim::Error error = pcl_slim::fitScan({view, {}}, {}, fitted)) {
     std::cerr << error.message << "\n";
     return 1;
   }
+  const auto projection = pcl_slim::projectScan(
+      view, fitted.surface, pcl_slim::SurfaceOrigin::kFitted, {}, {}, nullptr, &fitted.store);
+  if (!projection) {
+    std::cerr << projection.error().message << "\n";
+    return 1;
+  }
 
-  // The store has its own order and units. A power of two scales them, so this is exact.
-  const std::vector<std::uint32_t> stored = store->storeOfInput();
+  // Points that no surfel supports keep their place.
+  std::vector<double> smooth = xyz;
   for (std::size_t i = 0; i < view.size; ++i) {
-    if (stored[i] == pcl_slim::PointStore::kSkipped) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      xyz[3 * i + axis] =
-          store->origin()[axis] + store->scale() * projection.position[stored[i]][axis];
+    if (!projection->isSupported(i)) continue;
+    const std::array<double, 3> place = projection->point(i).position;
+    for (std::size_t axis = 0; axis < 3; ++axis) smooth[3 * i + axis] = place[axis];
   }
   std::ofstream output(argv[2]);
   output.precision(9);
   for (std::size_t i = 0; i < view.size; ++i)
-    output << xyz[3 * i] << ' ' << xyz[3 * i + 1] << ' ' << xyz[3 * i + 2] << '\n';
+    output << smooth[3 * i] << ' ' << smooth[3 * i + 1] << ' ' << smooth[3 * i + 2] << '\n';
   return output.flush() ? 0 : 1;
 }

@@ -20,8 +20,8 @@ MOST_LINES_IN_FILE = 600
 MOST_LINES_IN_FUNCTION = 60
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "stream", "mpi", "query", "features", "mesh", "splat",
-           "render", "web")
+MODULES = ("core", "cloud", "surface", "fit", "stream", "mpi", "query", "features", "scan", "mesh",
+           "splat", "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
@@ -31,7 +31,8 @@ ARROWS = {
     "mpi": ("core", "stream"),
     "query": ("core", "cloud", "surface"),
     "features": ("core", "cloud", "surface", "query"),
-    "mesh": ("core", "cloud", "surface", "fit", "query"),
+    "scan": ("core", "cloud", "surface", "fit", "query", "features"),
+    "mesh": ("core", "cloud", "surface", "fit", "query", "scan"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "surface", "query", "splat"),
     "web": ("core", "cloud", "surface", "query", "splat", "render"),
