@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mesh_topology.h"
@@ -13,6 +14,7 @@
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
+#include "pcl_slim/scan/scan.h"
 #include "pcl_slim/surface/surface.h"
 #include "smoothing_steps.h"
 
@@ -52,16 +54,6 @@ class Samples {
   CloudView view_;
 };
 
-/** \brief Fits a surface to vertices that have normals; those with a zero one are left out. */
-Error fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& normals,
-                    const FitParams& params, SLIMSurface& surface, FitStatistics& statistics,
-                    Progress* progress) {
-  const Samples samples(vertices, normals);
-  const auto store = PointStore::build(samples.view(), params.threads);
-  if (!store) return store.error();
-  return fitSurface(*store, params, surface, &statistics, progress);
-}
-
 /** \brief Projects the faces' centroids onto a surface. */
 Error projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vector3>& normals,
                    const SLIMSurface& surface, const FitParams& params, FaceProjection& made,
@@ -74,7 +66,6 @@ Error projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vect
   if (!store) return store.error();
   ProjectionParams how;
   how.sharp_features = params.sharp_features;
-  how.paper_mode = surface.info.paper_mode;
   how.threads = params.threads;
   Projection projection;
   if (Error error = projectPoints(*store, surface, how, projection, progress)) return error;
@@ -196,8 +187,12 @@ Error SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection&
   if (surface_ == nullptr) {
     const auto sides =
         detail::vertexNormals(geometry_, normals, topology_, given_.size(), params_.fit.threads);
-    Error error = fitToVertices(given_, sides, params_.fit, fitted_, statistics_.fit, progress_);
+    FittedScan scan;
+    // Vertices whose normal is zero are left out.
+    Error error = fitScan({Samples(given_, sides).view(), {}}, params_.fit, scan, progress_);
+    statistics_.fit = std::move(scan.statistics);
     if (error) return error;
+    fitted_ = std::move(scan.surface);
   }
   const SLIMSurface& surface = surface_ != nullptr ? *surface_ : fitted_;
   Error error = projectFaces(facesNow().centroids, normals, surface, params_.fit, made, progress_);
