@@ -2,7 +2,7 @@
 #define PCL_SLIM_PCL_POINTS_ONLY
 #include "pcl_slim/filters/impl/slim_curvature_estimation.hpp"
 
-#include <optional>
+#include <memory>
 #include <utility>
 
 #include "input_types.h"
@@ -20,13 +20,14 @@ void SLIMProjectionBase::clearResults() {
 }
 
 bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
-                                 ProjectionParams params, CloudProjection& projection) {
+                                 const FitParams& fit, const ProjectionParams& requested,
+                                 CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
-  error_ = params_.validate();
+  error_ = fit.validate();
   if (error_) return false;
-  params.threads = params_.threads;
-  const bool done = guarded("the projection", "process fewer points",
-                            [&] { return fitAndProject(points, fitted, params, projection); });
+  const bool done = guarded("the projection", "process fewer points", [&] {
+    return fitAndProject(points, fitted, fit, requested, projection);
+  });
   if (!done) {
     fitted_surface_.reset();
     warning_.clear();
@@ -40,36 +41,15 @@ bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitte
   return true;
 }
 
-/** Fits; where points that are no surface may stay as they are, the surface of such is empty. */
-Result<std::shared_ptr<SLIMSurface>> SLIMProjectionBase::fitTo(PointStore& store,
-                                                               const CloudView& cloud) {
-  auto made = std::make_shared<SLIMSurface>();
-  const Error error = fitStore(store, cloud, *made);
-  if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
-  warning_ = error.message;
-  return made;
-}
-
-CloudProjectionParams SLIMProjectionBase::projectionOn(const SLIMSurface& surface,
-                                                       const ProjectionParams& params) const {
-  CloudProjectionParams how;
-  how.projection = params;
-  how.projection.sharp_features = params_.sharp_features;
-  how.projection.paper_mode = surface.info.paper_mode;
-  how.viewpoint = params_.viewpoint;
-  return how;
-}
-
-bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& params,
+bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& requested,
                                      CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
   const SurfaceConstPtr surface = surface_ ? surface_ : fitted_surface_;
   if (!surface) return fail(ErrorCode::kNoSurface, "there is no surface to project onto");
-  ProjectionParams how = params;
-  how.threads = params_.threads;
   return guarded("the projection", "process fewer points", [&]() -> Error {
-    auto made =
-        CloudProjection::make(points, *surface, projectionOn(*surface, how), &control_.progress);
+    // These are places: how many of them a given surface supports says nothing about it.
+    auto made = projectScan(points, *surface, SurfaceOrigin::kFitted, params_, requested,
+                            &control_.progress);
     if (!made) return made.error();
     projection = std::move(*made);
     return {};
@@ -77,31 +57,36 @@ bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionPa
 }
 
 Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
-                                        const ProjectionParams& params,
+                                        const FitParams& fit, const ProjectionParams& requested,
                                         CloudProjection& projection) {
-  SurfaceConstPtr surface = surface_;
-  std::optional<PointStore> store;
-  if (surface) {
-    if (Error error = surface->validate()) return error;
-  } else {
-    Result<PointStore> built = PointStore::build(fitted, params_.threads);
-    if (!built) return built.error();
-    store.emplace(std::move(*built));
-    input_statistics_ = store->statistics();
-    auto made = fitTo(*store, fitted);
+  if (!surface_) {
+    auto made = projectOnFit(points, fitted, fit, requested);
     if (!made) return made.error();
-    surface = *made;
-    if (warning_.empty()) fitted_surface_ = surface;
+    projection = std::move(*made);
+    return {};
   }
-  CloudProjectionParams how = projectionOn(*surface, params);
-  if (surface_) how.least_support = kLeastSharedSupport;
-  const bool same = store && &points == &fitted;
+  if (Error error = surface_->validate()) return error;
   auto made =
-      CloudProjection::make(points, *surface, how, &control_.progress, same ? &*store : nullptr);
+      projectScan(points, *surface_, SurfaceOrigin::kGiven, fit, requested, &control_.progress);
   if (!made) return made.error();
   projection = std::move(*made);
-  if (surface_) input_statistics_ = projection.inputStatistics();
+  input_statistics_ = projection.inputStatistics();
   return {};
+}
+
+Result<CloudProjection> SLIMProjectionBase::projectOnFit(const CloudView& points,
+                                                         const CloudView& fitted,
+                                                         const FitParams& fit,
+                                                         const ProjectionParams& requested) {
+  FittedScan scan;
+  const Error error = fitAndKeep({fitted, {}}, fit, scan);
+  // Points that are no surface may stay as they are: they are projected onto an empty one.
+  if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
+  warning_ = error.message;
+  const auto surface = std::make_shared<const SLIMSurface>(std::move(scan.surface));
+  if (!error) fitted_surface_ = surface;
+  return projectScan(points, *surface, SurfaceOrigin::kFitted, fit, requested, &control_.progress,
+                     &points == &fitted ? &scan.store : nullptr);
 }
 
 }  // namespace pcl_slim

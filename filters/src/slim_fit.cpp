@@ -8,11 +8,11 @@
 #include <exception>
 #include <new>
 #include <tuple>
+#include <utility>
 
 #include "input_types.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/filters/slim_fit_base.h"
-#include "pcl_slim/fit/fit_colors.h"
 
 namespace pcl_slim {
 
@@ -68,32 +68,29 @@ void SLIMFitBase::clearResults() {
   input_statistics_ = {};
 }
 
-Error SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface) {
-  outliers_.clear();
-  if (params_.sharp_features && cloud.normal == nullptr) {
+Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted) {
+  if (params.sharp_features && scan.points.normal == nullptr) {
     PCL_WARN(
         "[pcl_slim] sharp features have no effect without normals; set some, or estimate them: "
         "setNormalEstimationNeighbors(30)\n");
   }
-  Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
+  Error error = fitScan(scan, params, fitted, &control_.progress);
+  statistics_ = fitted.statistics;
+  input_statistics_ = fitted.store.statistics();
+  outliers_.clear();
   for (const std::uint32_t i : statistics_.outlier_points)
-    outliers_.push_back(static_cast<std::int32_t>(cloud.inputIndex(store.orderOfStore()[i])));
+    outliers_.push_back(
+        static_cast<std::int32_t>(scan.points.inputIndex(fitted.store.orderOfStore()[i])));
   std::sort(outliers_.begin(), outliers_.end());
   return error;
 }
 
-bool SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors) {
+bool SLIMFitBase::run(const ScanView& scan, const FitParams& params, SLIMSurface& surface) {
   const CancellableRun cancellable(control_.progress);
-  error_ = params_.validate();
-  if (error_) return false;
-  const bool done = guarded("the fit", "fit fewer points", [&]() -> Error {
-    Result<PointStore> store = PointStore::build(cloud, params_.threads);
-    if (!store) return store.error();
-    input_statistics_ = store->statistics();
-    if (Error error = fitStore(*store, cloud, surface)) return error;
-    return fitColors(*store, cloud, colors, params_.threads, surface);
-  });
-  if (!done) surface = SLIMSurface();
+  FittedScan fitted;
+  const bool done =
+      guarded("the fit", "fit fewer points", [&] { return fitAndKeep(scan, params, fitted); });
+  surface = done ? std::move(fitted.surface) : SLIMSurface();
   return done;
 }
 

@@ -82,13 +82,6 @@ namespace {
 
 constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that trim maps may and do keep
 
-/** The fit's parameters for a mesh: trim maps keep holes as small as the mesh is to have. */
-FitParams fitParamsFor(const FitParams& fit, const MeshParams& mesh) {
-  FitParams made = fit;
-  if (mesh.hole_size > 0) made.hole_size = std::clamp(mesh.hole_size, kLeastHole, kUsualHole);
-  return made;
-}
-
 }  // namespace
 
 void SLIMReconstructionBase::clearMesh() {
@@ -98,7 +91,22 @@ void SLIMReconstructionBase::clearMesh() {
   fitted_surface_.reset();
 }
 
-bool SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors) {
+bool SLIMReconstructionBase::fitSurfaces(const CloudView& cloud, SLIMSurface& surface,
+                                         SLIMSurface& sharp) {
+  FitParams fit = params_;
+  // Trim maps keep holes as small as the mesh is to have.
+  if (mesh_params_.hole_size > 0)
+    fit.hole_size = std::clamp(mesh_params_.hole_size, kLeastHole, kUsualHole);
+  if (fit.sharp_features && cloud.normal != nullptr) {
+    FitParams edges = fit;
+    edges.trim = false;
+    if (!run({cloud, {}}, edges, sharp)) return false;
+    fit.sharp_features = false;
+  }
+  return run({cloud, {}}, fit, surface);
+}
+
+bool SLIMReconstructionBase::makeMesh(const ScanView& scan) {
   MeshParams params = mesh_params_;
   params.trim = params_.trim;
   params.threads = params_.threads;
@@ -107,19 +115,8 @@ bool SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& c
   SLIMSurface sharp;
   if (!surface) {
     auto fitted = std::make_shared<SLIMSurface>();
-    const bool sharpened = params_.sharp_features && cloud.normal != nullptr;
-    const FitParams own = std::exchange(params_, fitParamsFor(params_, params));
-    bool done = true;
-    if (sharpened) {  // edges from one fit, what is between them and how it is connected from another
-      params_.trim = false;
-      done = run(cloud, sharp);
-      params_.trim = own.trim;
-      params_.sharp_features = false;
-      params.sharp = &sharp;
-    }
-    done = done && run(cloud, *fitted);
-    params_ = own;
-    if (!done) return false;
+    if (!fitSurfaces(scan.points, *fitted, sharp)) return false;
+    if (!sharp.empty()) params.sharp = &sharp;
     surface = fitted;
   }
   const CancellableRun cancellable(control_.progress);
@@ -127,8 +124,8 @@ bool SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& c
     if (Error error = extractMesh(*surface, params, mesh_, &mesh_statistics_, &control_.progress)) {
       return error;
     }
-    if (colors_ && colors.bgr != nullptr)
-      return colorFromPoints(cloud, colors, params.threads, mesh_);
+    if (colors_ && scan.colors.bgr != nullptr)
+      return colorFromPoints(scan.points, scan.colors, params.threads, mesh_);
     if (colors_)
       mesh_.colors = surfaceColors(*surface, mesh_.vertices, mesh_.normals, params.threads);
     return {};

@@ -285,14 +285,12 @@ double SLIMSmootherBase::noiseOf(const SLIMSurface& surface) {
 
 bool SLIMSmootherBase::smooth(const CloudView& points, bool curvature,
                               CloudProjection& projection) {
-  const FitParams own = params_;
-  const int degree = *own.resolved().degree;
-  const double radii = degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
-  params_.least_radius = unlessZero(std::max(own.least_radius.value_or(0), radii * search_radius_));
-  ProjectionParams params;
-  params.curvature = curvature;
-  const bool done = project(points, points, params, projection);
-  params_ = own;
+  FitParams fit = params_;
+  const double radii = *fit.resolved().degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
+  fit.least_radius = unlessZero(std::max(fit.least_radius.value_or(0), radii * search_radius_));
+  ProjectionParams requested;
+  requested.curvature = curvature;
+  const bool done = project(points, points, fit, requested, projection);
   const SurfaceConstPtr& surface = getSurface() ? getSurface() : getFittedSurface();
   noise_ = done && surface ? noiseOf(*surface) : 0.0;
   return done;
@@ -456,27 +454,16 @@ float SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const {
 }
 
 bool SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense) {
-  corresponding_.reset();
   dense = true;
-  try {
-    corresponding_ = std::make_shared<pcl::PointIndices>();
-    error_ = checkSmoother(source.has_distinct);
-    if (error_) return false;
-    CloudView view;
-    error_ = source.describe(view);
-    if (error_) return false;
-    const bool curvature = compute_normals_ && target.curvature != kNoField;
-    CloudProjection projection;
-    if (!smooth(view, curvature, projection)) return false;
-    if (upsampling_ == NONE || !getWarning().empty()) {
-      write(source, projection, target);
-      dense = projection.statistics().non_finite == 0;
-      return true;
-    }
-    upsample(source, view, projection, target);
-  } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
+  const bool curvature = compute_normals_ && target.curvature != kNoField;
+  CloudProjection projection;
+  if (!smooth(source.view, curvature, projection)) return false;
+  if (upsampling_ == NONE || !getWarning().empty()) {
+    write(source, projection, target);
+    dense = projection.statistics().non_finite == 0;
+    return true;
   }
+  upsample(source, projection, target);
   return false;
 }
 
@@ -520,12 +507,13 @@ void SLIMSmootherBase::write(const Source& source, const CloudProjection& projec
   });
 }
 
-void SLIMSmootherBase::upsample(const Source& source, const CloudView& view,
-                                const CloudProjection& own, const Target& target) {
+void SLIMSmootherBase::upsample(const Source& source, const CloudProjection& own,
+                                const Target& target) {
   Candidates candidates;
   CloudProjection projection;
   const bool curvature = compute_normals_ && target.curvature != kNoField;
-  if (!projectCandidates(view, curvature, own, source.distinct, candidates, projection)) return;
+  if (!projectCandidates(source.view, curvature, own, source.distinct, candidates, projection))
+    return;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < projection.size(); ++i)
     if (projection.isSupported(i)) kept.push_back(i);

@@ -3,31 +3,12 @@
 
 #include <memory>
 
-#include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/core/export.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/filters/point_crest.h"
 #include "pcl_slim/filters/slim_fit.h"
-#include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
-
-/** \brief Input and output of a run, without its lines. */
-struct CrestRun {
-  FitParams fit;
-  CrestParams crest;
-  std::shared_ptr<const SLIMSurface> surface;  ///< given, or null: the run puts the fitted one here
-  FitStatistics fit_statistics;
-  PointStoreStatistics input_statistics;
-  CrestStatistics crest_statistics;
-};
-
-/** \brief Fits, unless a surface is given, projects, and traces.
- * \return an error for input that cannot be fitted, a surface of another cloud (less than a tenth
- * of the points supported), parameters out of range, or cancellation. */
-PCL_SLIM_EXPORT Error traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines,
-                                 Progress* progress = nullptr);
 
 /** \brief Parameters and results of SLIMCrestLines that do not depend on the point type;
  * CrestParams documents each. Values are checked when compute() runs. */

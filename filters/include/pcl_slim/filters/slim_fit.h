@@ -6,8 +6,7 @@
 #include <pcl/point_types.h>
 #include <pcl/search/search.h>
 
-#include <vector>
-
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 
@@ -82,25 +81,10 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   using pcl::PCLBase<PointT>::indices_;
   using pcl::PCLBase<PointT>::use_indices_;
 
-  /** \brief Checks the input and describes its points. */
-  bool describeInput(CloudView& view);
-  /** \brief Finds the normals to use: describes them in view, or writes estimated ones. */
-  bool describeNormals(CloudView& view, std::vector<float>& estimated);
+  /** \brief The cloud and what was set about it. */
+  CloudInput<PointT> cloudInput() const;
 
  private:
-  /** \brief Describes where points were seen from, if that is known. */
-  bool describeSensors(CloudView& view);
-  /** \brief Describes which frames points are from, if that is known. */
-  bool describeFrames(CloudView& view);
-  /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
-  bool estimateNormals(std::vector<float>& estimated);
-  /** \brief The points to use that are finite. */
-  pcl::IndicesPtr finiteSelection() const;
-  /** \brief PCL's normals of the selected points; it may throw. */
-  bool findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals);
-  /** \brief Gives the search object its cloud; an error if it does not accept it. */
-  bool prepareSearch(const typename PointCloud::ConstPtr& cloud);
-
   NormalCloud::ConstPtr normals_;
   SearchPtr search_;
   int normal_neighbours_ = 0;

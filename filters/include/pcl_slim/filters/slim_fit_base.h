@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/scan/scan.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -213,10 +213,11 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief Forgets the last run. */
   void clearResults();
-  /** \brief Fits, and finds the outliers' indices. */
-  Error fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface);
-  /** \brief Builds the store and fits; where there are colours, these too. */
-  bool run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors = {});
+  /** \brief Fits, and keeps what the getters of results return. */
+  Error fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted);
+  /** \brief The same for a class that keeps nothing but the surface. \return whether there is one;
+   * getError() gives the reason if not. */
+  bool run(const ScanView& scan, const FitParams& params, SLIMSurface& surface);
 
   FitParams params_;
   SensorPositions sensors_;

@@ -65,21 +65,19 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
 
   /** \brief Fits, unless a surface is given, and projects.
    * \param[in] points what to project; \param[in] fitted what to fit to, the same object if it is
-   * the same cloud. */
-  bool project(const CloudView& points, const CloudView& fitted, ProjectionParams params,
-               CloudProjection& projection);
+   * the same cloud; \param[in] fit parameters, those of the setters but for what a class adds. */
+  bool project(const CloudView& points, const CloudView& fitted, const FitParams& fit,
+               const ProjectionParams& requested, CloudProjection& projection);
 
   /** \brief Projects other points onto the surface of the last run. */
-  bool projectMore(const CloudView& points, const ProjectionParams& params,
+  bool projectMore(const CloudView& points, const ProjectionParams& requested,
                    CloudProjection& projection);
 
  private:
-  CloudProjectionParams projectionOn(const SLIMSurface& surface,
-                                     const ProjectionParams& params) const;
-  Error fitAndProject(const CloudView& points, const CloudView& fitted,
-                      const ProjectionParams& params, CloudProjection& projection);
-
-  Result<std::shared_ptr<SLIMSurface>> fitTo(PointStore& store, const CloudView& cloud);
+  Error fitAndProject(const CloudView& points, const CloudView& fitted, const FitParams& fit,
+                      const ProjectionParams& requested, CloudProjection& projection);
+  Result<CloudProjection> projectOnFit(const CloudView& points, const CloudView& fitted,
+                                       const FitParams& fit, const ProjectionParams& requested);
 
   bool keeps_points_;
   std::string warning_;

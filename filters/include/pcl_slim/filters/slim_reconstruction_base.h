@@ -74,15 +74,20 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
 
   /** \brief Forgets the last run. */
   void clearMesh();
-  /** \brief Fits unless there is a surface, and extracts the mesh. \param[in] colors of the points,
-   * or none. \return whether there is one; getError() gives the reason if not. */
-  bool makeMesh(const CloudView& cloud, const ColorView& colors);
+  /** \brief Fits unless there is a surface, and extracts the mesh. \return whether there is one;
+   * getError() gives the reason if not. */
+  bool makeMesh(const ScanView& scan);
 
   MeshParams mesh_params_;
   MeshStatistics mesh_statistics_;
   SurfaceConstPtr surface_, fitted_surface_;
   TriangleMesh mesh_;
   bool compute_curvature_ = false, colors_ = true;
+
+ private:
+  /** \brief Fits; with sharp features and normals two surfaces: edges come from one, what is between
+   * them and how it is connected from the other. \param[out] sharp the former */
+  bool fitSurfaces(const CloudView& cloud, SLIMSurface& surface, SLIMSurface& sharp);
 };
 
 }  // namespace pcl_slim

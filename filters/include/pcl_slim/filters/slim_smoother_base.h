@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/slim_projection_base.h"
 
 namespace pcl_slim {
@@ -127,11 +128,10 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   /** \brief The input as bytes: points of any type. */
   struct Source {
     const unsigned char* points = nullptr;
-    std::size_t step = 0;                       ///< bytes from one point to the next
-    const pcl::Indices* indices = nullptr;      ///< null: all points
-    CloudView distinct;                         ///< of the distinct cloud; empty: there is none
-    bool has_distinct = false;                  ///< one is set, empty or not
-    std::function<Error(CloudView&)> describe;  ///< what is fitted to
+    std::size_t step = 0;                   ///< bytes from one point to the next
+    const pcl::Indices* indices = nullptr;  ///< null: all points
+    CloudView view;                         ///< what is fitted to
+    CloudView distinct;                     ///< of the distinct cloud; empty: there is none
   };
 
   /** \brief Bytes that a point of one type and a point of another have in common. */
@@ -153,11 +153,6 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     bool* is_dense = nullptr;
   };
 
-  /** \brief A cloud to smooth and what describes it; impl/slim_projection_smoother.hpp defines it.
-   */
-  template <typename PointT>
-  struct Input;
-
   /** \brief What copies the fields that two point types have by the same names, rgb and rgba being
    * one. */
   static std::vector<CommonBytes> commonFields(const std::vector<pcl::PCLPointField>& from,
@@ -166,10 +161,12 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   template <typename PointT>
   static Target targetOf(void* cloud);
   /** \brief Runs, and gives the output the input's header, sensor and, where its points are the
-   * input's, rows. \param[in] target_of the targetOf() of the output's type \param[in] same whether
-   * that is the input's */
+   * input's, rows. \param[in] distinct may be null \param[in] target_of the targetOf() of the
+   * output's type \param[in] same whether that is the input's */
   template <typename PointT>
-  void smoothInput(const Input<PointT>& input, void* output, Target (*target_of)(void*), bool same);
+  void smoothInput(const CloudInput<PointT>& input,
+                   const typename pcl::PointCloud<PointT>::ConstPtr& distinct, void* output,
+                   Target (*target_of)(void*), bool same);
   /** \brief Performs a run into a cloud apart, because output may be the input, and prints what it
    * has to say. Output is empty after an error. */
   template <typename PointT>
@@ -178,6 +175,9 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   /** \brief Prints the error and the warning of a run, if there are any. */
   void complain() const;
 
+  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether
+   * a distinct cloud is set. */
+  Error checkSmoother(bool has_distinct) const;
   /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite.
    * \return whether they are the input's own; getError() gives the reason if there are none. */
   bool run(const Source& source, const Target& target, bool& dense);
@@ -195,9 +195,6 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
  private:
   struct Candidates;
 
-  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether
-   * a distinct cloud is set. */
-  Error checkSmoother(bool has_distinct) const;
   /** \brief Fits with the least radius of balls for the search radius, and projects; see
    * SLIMProjectionBase::project(). */
   bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
@@ -213,8 +210,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   /** \brief The value of the field curvature. */
   float curvatureOf(const ProjectedPoint& point) const;
   void write(const Source& source, const CloudProjection& projection, const Target& target);
-  void upsample(const Source& source, const CloudView& points, const CloudProjection& own,
-                const Target& target);
+  void upsample(const Source& source, const CloudProjection& own, const Target& target);
   void put(const ProjectedPoint& point, const Target& target, unsigned char* to) const;
   void sampleAround(const CloudView& points, const CloudProjection& own,
                     Candidates& candidates) const;

@@ -7,13 +7,15 @@
 #include <algorithm>
 #include <memory>
 
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/color_octree_splat_sampler.h"
-#include "pcl_slim/filters/impl/cloud_description.hpp"
 #include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/io/splat_conversion.h"
 
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
 #include <pcl/filters/impl/filter_indices.hpp>
+
+#include "pcl_slim/filters/impl/cloud_description.hpp"
 #endif
 
 namespace pcl_slim {
@@ -50,18 +52,21 @@ template <typename PointT>
 bool ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats) {
   splats = SplatSet();
   clearResults();
-  CloudDescription<PointT> cloud(input_, use_indices_ ? pcl::IndicesConstPtr(indices_) : nullptr,
-                                 FitParams());
-  cloud.setInputNormals(normals_);
+  FitParams params;
+  CloudInput<PointT> input;
+  input.cloud = input_;
+  if (use_indices_) input.indices = indices_;
+  input.normals = normals_;
   if (search_ && !pcl::traits::has_normal<PointT>::value) {
-    cloud.setSearchMethod(search_);
-    cloud.setNormalEstimationNeighbors(params_.normal_neighbors);
-    cloud.setNumberOfThreads(getNumberOfThreads());
-    double x, y, z;
-    if (getViewPoint(x, y, z)) cloud.setViewPoint(x, y, z);
+    input.search = search_;
+    input.normal_neighbours = params_.normal_neighbors;
+    params.threads = params_.threads;
+    const double* at = params_.viewpoint;
+    if (has_viewpoint_) params.viewpoint = {at[0], at[1], at[2]};
   }
-  if (!cloud.describe()) return fail(cloud.getError().code, cloud.getError().message);
-  return run(cloud.view(), colorsOfPoints(*input_), input_->sensor_origin_.data(), splats);
+  const Result<DescribedCloud> cloud = describeCloud(input, params);
+  if (!cloud) return fail(cloud.error().code, cloud.error().message);
+  return run(cloud->view, colorsOfPoints(*input_), input_->sensor_origin_.data(), splats);
 }
 
 template <typename PointT>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <exception>
-#include <new>
-#include <vector>
+#include <memory>
+#include <utility>
 
 #include "pcl_slim/filters/impl/slim_fit.hpp"
 #include "pcl_slim/filters/slim_crest_lines.h"
@@ -17,28 +16,19 @@ bool SLIMCrestLines<PointT>::compute(CrestLines& lines) {
   this->clearResults();
   fitted_surface_.reset();
   crest_statistics_ = {};
-  CloudView view;
-  std::vector<float> estimated;
-  if (!this->describeInput(view) || !this->describeNormals(view, estimated)) return false;
-  CrestRun run;
-  run.fit = this->params_;
-  run.crest = crest_;
-  run.surface = surface_;
-  try {
-    this->error_ = traceCloud(view, run, lines, &this->control_.progress);
-  } catch (const std::bad_alloc&) {
-    this->fail(ErrorCode::kBadInput, "not enough memory for this cloud; use fewer points");
-  } catch (const std::exception& failure) {
-    this->fail(ErrorCode::kBadInput, std::string("the tracing stopped: ") + failure.what());
-  }
-  this->statistics_ = run.fit_statistics;
-  this->input_statistics_ = run.input_statistics;
-  if (this->error_) {
-    lines = CrestLines();
-    return false;
-  }
-  crest_statistics_ = run.crest_statistics;
-  if (!surface_) fitted_surface_ = run.surface;
+  const Result<DescribedCloud> cloud = describeCloud(this->cloudInput(), this->params_);
+  if (!cloud) return this->fail(cloud.error().code, cloud.error().message);
+  TracedScan traced;
+  const bool done = this->guarded("the tracing", "use fewer points", [&] {
+    return traceScanLines(cloud->view, surface_.get(), this->params_, crest_, traced,
+                          &this->control_.progress);
+  });
+  this->statistics_ = traced.fitted.statistics;
+  this->input_statistics_ = traced.fitted.store.statistics();
+  if (!done) return false;
+  lines = std::move(traced.lines);
+  crest_statistics_ = traced.statistics;
+  if (!surface_) fitted_surface_ = std::make_shared<SLIMSurface>(std::move(traced.fitted.surface));
   return true;
 }
 

@@ -10,8 +10,12 @@
 #include <type_traits>
 
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
+
+#ifndef PCL_SLIM_PCL_POINTS_ONLY
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#endif
 
 namespace pcl_slim {
 
@@ -114,20 +118,18 @@ bool SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projecti
                                                        PointCloudOut& output) {
   const bool apart = surface_ && surface_ != input_;
   const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
-  CloudDescription<PointInT> points(input_, indices, params_);
-  CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_,
-                                    sensors_, frames_);
-  fitted.setInputNormals(normals_);
-  fitted.setSearchMethod(this->tree_);
-  fitted.setNormalEstimationNeighbors(normal_neighbours_);
-  if ((apart && !points.describe()) || !fitted.describe()) {
-    error_ = points.getError() ? points.getError() : fitted.getError();
-    return false;
-  }
+  Result<DescribedCloud> points = DescribedCloud();
+  if (apart) points = describeCloud<PointInT>({input_, indices, {}, {}, 0, {}, {}}, params_);
+  if (!points) return fail(points.error().code, points.error().message);
+  const Result<DescribedCloud> fitted =
+      describeCloud<PointInT>({apart ? surface_ : input_, apart ? nullptr : indices, normals_,
+                               this->tree_, normal_neighbours_, sensors_, frames_},
+                              params_);
+  if (!fitted) return fail(fitted.error().code, fitted.error().message);
   ProjectionParams params;
   params.directions = true;
-  const CloudView& view = apart ? points.view() : fitted.view();
-  if (!project(view, fitted.view(), params, projection)) return false;
+  const CloudView& view = apart ? points->view : fitted->view;
+  if (!project(view, fitted->view, params_, params, projection)) return false;
   write(projection, output);
   return true;
 }

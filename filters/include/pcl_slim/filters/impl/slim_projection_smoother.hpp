@@ -4,22 +4,21 @@
 #include <pcl/common/io.h>
 #include <pcl/surface/processing.h>
 
+#include <exception>
+#include <memory>
+#include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
-#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 
-namespace pcl_slim {
+#ifndef PCL_SLIM_PCL_POINTS_ONLY
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#endif
 
-template <typename PointT>
-struct SLIMSmootherBase::Input {
-  const typename pcl::PointCloud<PointT>::ConstPtr &cloud, &distinct;
-  const pcl::IndicesPtr* indices;  ///< null: all points
-  const pcl::PointCloud<pcl::Normal>::ConstPtr& normals;
-  const typename pcl::search::Search<PointT>::Ptr& search;
-  int normal_neighbours;
-};
+namespace pcl_slim {
 
 template <typename PointT>
 SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
@@ -55,44 +54,41 @@ SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
 }
 
 template <typename PointT>
-void SLIMSmootherBase::smoothInput(const Input<PointT>& input, void* output,
-                                   Target (*target_of)(void*), bool same) {
-  Target target = target_of(output);
-  target.copies = same ? std::vector<CommonBytes>{{0, 0, sizeof(PointT)}}
-                       : commonFields(pcl::getFields<PointT>(), target.fields);
-  const auto& cloud = input.cloud;
-  const pcl::IndicesPtr indices = input.indices ? *input.indices : nullptr;
-  CloudDescription<PointT> description(cloud, indices, params_, sensors_, frames_);
-  description.setInputNormals(input.normals);
-  description.setSearchMethod(input.search);
-  description.setNormalEstimationNeighbors(input.normal_neighbours);
+void SLIMSmootherBase::smoothInput(const CloudInput<PointT>& input,
+                                   const typename pcl::PointCloud<PointT>::ConstPtr& distinct,
+                                   void* output, Target (*target_of)(void*), bool same) {
+  corresponding_ = std::make_shared<pcl::PointIndices>();
+  error_ = checkSmoother(distinct != nullptr);
+  if (error_) return;
+  const Result<DescribedCloud> described = describeCloud(input, params_);
+  error_ = described.error();
+  if (error_) return;
+  const pcl::PointCloud<PointT>& cloud = *input.cloud;
   Source source;
+  source.points = reinterpret_cast<const unsigned char*>(cloud.points.data());
   source.step = sizeof(PointT);
-  if (cloud) source.points = reinterpret_cast<const unsigned char*>(cloud->points.data());
-  source.indices = indices.get();
-  source.has_distinct = input.distinct != nullptr;
-  if (input.distinct && !input.distinct->empty()) {
-    source.distinct.size = input.distinct->size();
-    source.distinct.xyz = reinterpret_cast<const unsigned char*>(input.distinct->points.data()) +
+  source.indices = input.indices.get();
+  source.view = described->view;
+  if (distinct && !distinct->empty()) {
+    source.distinct.size = distinct->size();
+    source.distinct.xyz = reinterpret_cast<const unsigned char*>(distinct->points.data()) +
                           pcl::traits::offset<PointT, pcl::fields::x>::value;
     source.distinct.xyz_stride = sizeof(PointT);
   }
-  source.describe = [&description](CloudView& view) {
-    if (!description.describe()) return description.getError();
-    view = description.view();
-    return Error();
-  };
+  Target target = target_of(output);
+  target.copies = same ? std::vector<CommonBytes>{{0, 0, sizeof(PointT)}}
+                       : commonFields(pcl::getFields<PointT>(), target.fields);
   bool dense = true;
   const bool own = run(source, target, dense);
   if (error_) return;
   const std::size_t size = static_cast<std::size_t>(*target.width) * *target.height;
-  if (own && !indices && static_cast<std::size_t>(cloud->width) * cloud->height == size) {
-    *target.width = cloud->width;
-    *target.height = cloud->height;
+  if (own && !input.indices && static_cast<std::size_t>(cloud.width) * cloud.height == size) {
+    *target.width = cloud.width;
+    *target.height = cloud.height;
   }
-  *target.header = cloud->header;
-  *target.sensor_origin = cloud->sensor_origin_;
-  *target.sensor_orientation = cloud->sensor_orientation_;
+  *target.header = cloud.header;
+  *target.sensor_origin = cloud.sensor_origin_;
+  *target.sensor_orientation = cloud.sensor_orientation_;
   *target.is_dense = dense;
 }
 
@@ -101,7 +97,11 @@ void SLIMSmootherBase::processApart(void (*perform)(SLIMSmootherBase&, pcl::Poin
                                     pcl::PointCloud<PointT>& output) {
   clearResults();
   pcl::PointCloud<PointT> made;
-  perform(*this, made);
+  try {
+    perform(*this, made);
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
+  }
   if (error_) made = pcl::PointCloud<PointT>();
   complain();
   output = std::move(made);
@@ -118,9 +118,10 @@ void SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
 
 template <typename PointInT, typename PointOutT>
 void SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output) {
-  smoothInput<PointInT>({input_, distinct_cloud_, use_indices_ ? &indices_ : nullptr, normals_,
-                         search_, normal_neighbours_},
-                        &output, &targetOf<PointOutT>, std::is_same<PointInT, PointOutT>::value);
+  smoothInput<PointInT>({input_, use_indices_ ? indices_ : nullptr, normals_, search_,
+                         normal_neighbours_, sensors_, frames_},
+                        distinct_cloud_, &output, &targetOf<PointOutT>,
+                        std::is_same<PointInT, PointOutT>::value);
 }
 
 }  // namespace pcl_slim

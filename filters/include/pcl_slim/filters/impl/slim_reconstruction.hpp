@@ -5,25 +5,25 @@
 
 #include <vector>
 
-#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/io/mesh_conversion.h"
 #include "pcl_slim/filters/slim_reconstruction.h"
+
+#ifndef PCL_SLIM_PCL_POINTS_ONLY
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#endif
 
 namespace pcl_slim {
 
 template <typename PointT>
 bool SLIMReconstruction<PointT>::run() {
   clearMesh();
-  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(), params_,
-                                       sensors_, frames_);
-  description.setInputNormals(normals_);
-  bool done = description.describe();
-  if (!done) {
-    error_ = description.getError();
-  } else {
-    done = makeMesh(description.view(), colorsOfPoints(*input_));
-  }
+  const Result<DescribedCloud> cloud = describeCloud<PointT>(
+      {input_, use_indices_ ? indices_ : nullptr, normals_, nullptr, 0, sensors_, frames_},
+      params_);
+  const bool done = cloud ? makeMesh({cloud->view, colorsOfPoints(*input_)})
+                          : fail(cloud.error().code, cloud.error().message);
   if (!done && error_.code != ErrorCode::kCancelled) {
     PCL_ERROR("[pcl_slim::SLIMReconstruction::reconstruct] %s\n", error_.message.c_str());
   }
