@@ -9,7 +9,7 @@
 #include "common/program.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "pcl_slim/query/cloud_projection.h"
+#include "pcl_slim/scan/scan.h"
 #include "scan/fit_job.h"
 #include "scan/scan_program.h"
 
@@ -95,20 +95,9 @@ void reportLines(const CrestLines& lines, const CrestStatistics& statistics, Rep
 Error project(const Settings& s, const PointStore& store, const SLIMSurface& surface,
               Console& console, Report& report, Projection& projection) {
   console.begin("Projecting");
-  ProjectionParams params;
-  params.extremality = true;
-  params.sharp_features = s.job.params.sharp_features;
-  params.paper_mode = surface.info.paper_mode;
-  params.threads = s.job.params.threads;
-  Error error = projectPoints(store, surface, params, projection, &console.progress());
-  const double supported = static_cast<double>(store.size() - projection.num_unsupported);
-  if (!error && !s.surface.empty() &&
-      supported < kLeastSharedSupport * static_cast<double>(store.size())) {
-    error = {
-        ErrorCode::kBadArgument,
-        "the surface supports less than a tenth of the points: it is of another cloud or faces "
-        "the other way; give this cloud's"};
-  }
+  const auto origin = s.surface.empty() ? SurfaceOrigin::kFitted : SurfaceOrigin::kGiven;
+  Error error =
+      projectForLines(store, surface, origin, s.job.params, projection, &console.progress());
   if (error) return console.failed(error);
   report.time("project", console.seconds());
   report.json()["unsupported"] = projection.num_unsupported;

@@ -9,6 +9,7 @@
 
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/scan/scan.h"
 
 namespace pcl_slim {
 
@@ -21,17 +22,6 @@ constexpr std::uint64_t kMostRows = 1
                                     << 19;  ///< of a piece; results depend on it by rounding alone
 constexpr double kBytesOfProjection = 220;  ///< per row of a piece, without the copies of the row
 constexpr double kCopiesOfRow = 5;
-
-CloudProjectionParams projectionParams(const ProjectionJob& job, const SLIMSurface& surface,
-                                       const RecordLayout& layout) {
-  CloudProjectionParams params;
-  params.projection = job.projection;
-  params.projection.threads = job.fit.params.threads;
-  params.projection.sharp_features = job.fit.params.sharp_features;
-  params.projection.paper_mode = surface.info.paper_mode;
-  params.viewpoint = job.fit.params.viewpoint ? job.fit.params.viewpoint : layout.sensor;
-  return params;
-}
 
 /** Some rows of a file. */
 PointFile rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows) {
@@ -220,8 +210,11 @@ Error PieceJob::run(SLIMSurface& surface, Console& console, Report& report, Scan
 Result<CloudProjection> PieceJob::project(const CloudFile& cloud,
                                           const SLIMSurface& surface) const {
   if (cloud.num_non_finite == cloud.size()) return CloudProjection::ofNothing(cloud.size());
-  return CloudProjection::make(cloud.view(job_.fit.use_normals), surface,
-                               projectionParams(job_, surface, reader_.layout()));
+  FitParams fit = job_.fit.params;
+  if (!fit.viewpoint) fit.viewpoint = reader_.layout().sensor;
+  // Whether a given surface supports the scan is decided by all pieces together: projectRows().
+  return projectScan(cloud.view(job_.fit.use_normals), surface, SurfaceOrigin::kFitted, fit,
+                     job_.projection);
 }
 
 void PieceJob::count(const CloudProjectionStatistics& piece) {

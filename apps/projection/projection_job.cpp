@@ -6,6 +6,7 @@
 
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
+#include "pcl_slim/scan/scan.h"
 
 namespace pcl_slim {
 
@@ -135,16 +136,10 @@ Result<CloudProjection> projectScan(const ProjectionJob& job, const CloudFile& c
                                     const SLIMSurface& surface, const PointStore* store,
                                     Console& console, Report& report) {
   console.begin("Projecting");
-  CloudProjectionParams params;
-  params.projection = job.projection;
-  params.projection.threads = job.fit.params.threads;
-  params.projection.sharp_features = job.fit.params.sharp_features;
-  params.projection.paper_mode = surface.info.paper_mode;
-  params.viewpoint = job.fit.params.viewpoint;
-  if (!job.surface.empty()) params.least_support = kLeastSharedSupport;
+  const auto origin = job.surface.empty() ? SurfaceOrigin::kFitted : SurfaceOrigin::kGiven;
   const bool with_normals = job.fit.use_normals || job.fit.normal_neighbours > 0;
-  auto projection =
-      CloudProjection::make(cloud.view(with_normals), surface, params, &console.progress(), store);
+  auto projection = projectScan(cloud.view(with_normals), surface, origin, job.fit.params,
+                                job.projection, &console.progress(), store);
   if (!projection) return console.failed(projection.error());
   report.time("project", console.seconds());
   reportProjection(projection->statistics(), report);

@@ -12,7 +12,7 @@
 
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/io/trajectory.h"
-#include "pcl_slim/fit/fit_colors.h"
+#include "pcl_slim/scan/scan.h"
 
 namespace pcl_slim {
 
@@ -387,8 +387,9 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");
-  Result<PointStore> store = PointStore::build(
-      cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
+  const ScanView scan{cloud.view(job.use_normals || job.normal_neighbours > 0),
+                      job.color ? colorsOf(cloud) : ColorView()};
+  Result<PointStore> store = PointStore::build(scan.points, job.params.threads);
   if (!store) return console.failed(store.error());
   report.time("prepare", console.seconds());
   console.done(counted(store->size(), "point"));
@@ -396,19 +397,18 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
   if (!skipped.empty()) console.note("  " + skipped);
 
   console.begin("Fitting");
-  FitStatistics statistics;
-  Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress());
+  FittedScan fitted;
+  fitted.store = std::move(*store);
+  Error error = fitStoredScan(scan, job.params, fitted, &console.progress());
   if (error && error.code != ErrorCode::kNoSurface) return console.failed(error);
-  if (!error && job.color) {
-    const Stopwatch colors;
-    error = fitColors(*store, cloud.view(), colorsOf(cloud), job.params.threads, surface);
-    report.time("colors", colors.seconds());
-  }
+  surface = std::move(fitted.surface);
+  const FitStatistics& statistics = fitted.statistics;
+  if (!error && job.color) report.time("colors", fitted.color_seconds);
   report.time("fit", console.seconds());
-  reportFit(fittedPoints(*store), surface, statistics, report);
+  reportFit(fittedPoints(fitted.store), surface, statistics, report);
   console.done(std::to_string(statistics.leaves) + " leaves, " +
                counted(surface.numLevels(), "level"));
-  console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
+  console.note("  " + noiseText(fitted.store.diagonal() * fitted.store.scale(), statistics));
   if (std::holds_alternative<TargetError>(job.params.size) ||
       std::holds_alternative<MaxSurfels>(job.params.size))
     console.note("  " + solvedText(statistics));
@@ -420,7 +420,7 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
         "  the normals follow the points' own noise, or too few points tell: "
         "used as directions, not as data");
   }
-  if (kept) *kept = std::move(*store);
+  if (kept) *kept = std::move(fitted.store);
   return error;
 }
 

@@ -18,8 +18,8 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
-#include "pcl_slim/fit/fit_colors.h"
 #include "pcl_slim/render/image.h"
+#include "pcl_slim/scan/scan.h"
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
@@ -56,14 +56,10 @@ float FitTask::progress(std::string& stage) const {
 
 void FitTask::run() {
   const bool with_normals = job_.use_normals || job_.normal_neighbours > 0;
-  Result<PointStore> store = PointStore::build(cloud_.view(with_normals), job_.params.threads);
-  if (!store) {
-    error_ = store.error();
-    return;
-  }
-  error_ = fitSurface(*store, job_.params, *surface_, nullptr, &progress_);
-  if (!error_ && job_.color)
-    error_ = fitColors(*store, cloud_.view(), colorsOf(cloud_), job_.params.threads, *surface_);
+  FittedScan fitted;
+  error_ = fitScan({cloud_.view(with_normals), job_.color ? colorsOf(cloud_) : ColorView()},
+                   job_.params, fitted, &progress_);
+  *surface_ = std::move(fitted.surface);
 }
 
 namespace {
