@@ -22,8 +22,7 @@ struct ProjectionParams {
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
   double reach =
       0;  ///< > 0: the points are places, not measurements of the surface: leaves up to this
-  bool paper_mode = false;  ///< formula (6) as printed, without the guards
-  int threads = 0;          ///< 0: all cores; never changes the result
+  int threads = 0;  ///< 0: all cores; never changes the result
 };
 
 /** \brief Greatest and least normal curvature, 1/local length, and the unit tangents along which
@@ -62,7 +61,8 @@ struct Projection {
  * aligned in sign to each other, point by point. Never emits NaN. Curvature is positive where the
  * surface bends away from its normal (a sphere with outward normals has mean 1/R). The points need
  * not be those the surface was fitted to: both are in world coordinates through their origins and
- * scales, and points away from it are unsupported. Trim maps move no point and drop none: they only
+ * scales, and points away from it are unsupported. A surface of info.paper_mode is projected onto by
+ * formula (6) as printed, without the guards. Trim maps move no point and drop none: they only
  * decide which of them are inside the borders.
  */
 PCL_SLIM_EXPORT Error projectPoints(const PointStore& store, const SLIMSurface& surface,
