@@ -3,7 +3,8 @@
 
 #include <pcl/point_types.h>
 
-// The point types that the classes are compiled for.
+// The point types of classes that are not compiled for all of
+// PCL_XYZ_POINT_TYPES, as SLIMFit and SLIMProjectionSmoother are.
 // clang-format off
 #define PCL_SLIM_FOR_INPUT_TYPES(WITH) \
   WITH(pcl::PointXYZ) \
@@ -13,32 +14,4 @@
   WITH(pcl::PointNormal) \
   WITH(pcl::PointXYZINormal) \
   WITH(pcl::PointXYZRGBNormal)
-
-// Those that pcl::MovingLeastSquares is compiled for: PCL_XYZ_POINT_TYPES, in three parts.
-#define PCL_SLIM_FOR_PLAIN_TYPES(WITH) \
-  WITH(pcl::PointXYZ) \
-  WITH(pcl::PointXYZI) \
-  WITH(pcl::PointXYZL) \
-  WITH(pcl::PointWithRange) \
-  WITH(pcl::PointWithViewpoint) \
-  WITH(pcl::PointWithScale)
-#define PCL_SLIM_FOR_COLOR_TYPES(WITH) \
-  WITH(pcl::PointXYZRGB) \
-  WITH(pcl::PointXYZRGBA) \
-  WITH(pcl::PointXYZRGBL) \
-  WITH(pcl::PointXYZLAB) \
-  WITH(pcl::PointXYZHSV) \
-  WITH(pcl::PointDEM)
-#define PCL_SLIM_FOR_NORMAL_TYPES(WITH) \
-  WITH(pcl::PointNormal) \
-  WITH(pcl::PointXYZINormal) \
-  WITH(pcl::PointXYZLNormal) \
-  WITH(pcl::PointXYZRGBNormal) \
-  WITH(pcl::PointSurfel) \
-  WITH(pcl::InterestPoint)
-// All of them.
-#define PCL_SLIM_FOR_XYZ_TYPES(WITH) \
-  PCL_SLIM_FOR_PLAIN_TYPES(WITH) \
-  PCL_SLIM_FOR_COLOR_TYPES(WITH) \
-  PCL_SLIM_FOR_NORMAL_TYPES(WITH)
 // clang-format on

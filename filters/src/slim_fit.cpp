@@ -3,14 +3,15 @@
 #include "pcl_slim/filters/impl/slim_fit.hpp"
 
 #include <pcl/console/print.h>
+#include <pcl/point_types.h>
 #include <algorithm>
 #include <array>
 #include <exception>
 #include <new>
+#include <pcl/impl/instantiate.hpp>
 #include <tuple>
 #include <utility>
 
-#include "input_types.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 
@@ -86,7 +87,5 @@ bool SLIMFitBase::run(const ScanView& scan, const FitParams& params, SLIMSurface
 
 }  // namespace pcl_slim
 
-// The class of all point types it is compiled for.
-PCL_SLIM_FOR_PLAIN_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)
-PCL_SLIM_FOR_COLOR_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)
-PCL_SLIM_FOR_NORMAL_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)
+#define PCL_INSTANTIATE_SLIMFit PCL_SLIM_INSTANTIATE_SLIMFit
+PCL_INSTANTIATE(SLIMFit, PCL_XYZ_POINT_TYPES)
