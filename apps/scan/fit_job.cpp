@@ -29,69 +29,51 @@ const char* normalSourceName(NormalSource source) {
   }
 }
 
-/** Number, of a Number or an std::optional of one. */
-template <typename Value>
-struct NumberOf {
-  using Type = Value;
-};
-template <typename Value>
-struct NumberOf<std::optional<Value>> {
-  using Type = Value;
-};
-
-/** The value that help shows: in words where the parameter has none. */
-template <typename Holder, typename Value>
-std::string shownDefault(const FitParams& params, const FitParameter& row, Value Holder::*member) {
-  if constexpr (std::is_same_v<Holder, FitParams> && std::is_arithmetic_v<Value>) {
-    if (*row.option.unset == '\0') return numberText(static_cast<double>(params.*member));
-  }
-  return row.option.unset;
+void declareMember(OptionTable& options, FitParams& params, const FitParameter& row,
+                   std::optional<std::array<double, 3>> FitParams::*member) {
+  options.numbers(row.name, &(params.*member), row.option.parts, row.help);
 }
 
-/** Adds the option of one parameter, which is read into the job's parameters. */
+/** Adds the option of one parameter, which is read into params. */
 template <typename Holder, typename Value>
 void declareMember(OptionTable& options, FitParams& params, const FitParameter& row,
-                   const std::string& help, Value Holder::*member) {
-  using Number = typename NumberOf<Value>::Type;
+                   Value Holder::*member) {
+  using Number = decltype(getParameter(params, member));
   const auto& [low, high, unset, parts, on, read] = row.option;
-  const std::string shown = shownDefault(params, row, member);
-  if constexpr (std::is_same_v<Number, std::array<double, 3>>) {
-    options.numbers(row.name, &(params.*member), parts, help);
-  } else if constexpr (std::is_same_v<Number, bool>) {
+  const std::string shown =
+      *unset ? unset : numberText(static_cast<double>(getParameter(params, member)));
+  if constexpr (std::is_same_v<Number, bool>) {
     options.toggle(
-        row.name, [&params, member](bool value) { params.*member = value; }, help, shown);
+        row.name, [&params, member](bool value) { params.*member = value; }, row.help, shown);
   } else if constexpr (std::is_integral_v<Number>) {
     const auto store = [&params, member](std::int64_t value) {
       setParameter(params, member, static_cast<Number>(value));
     };
     options.integer(row.name, store, static_cast<std::int64_t>(low),
-                    static_cast<std::int64_t>(high), help, shown);
+                    static_cast<std::int64_t>(high), row.help, shown);
   } else if (on) {
     const auto store = [&params, member, value = *on](bool chosen) {
       setParameter(params, member, chosen ? value : 0.0);
     };
-    options.toggle(row.name, store, help, shown);
+    options.toggle(row.name, store, row.help, shown);
   } else {
     const auto store = [&params, member](double value) { setParameter(params, member, value); };
-    options.number(row.name, store, low, high, help, shown);
+    options.number(row.name, store, low, high, row.help, shown);
   }
 }
 
-void declareParameter(OptionTable& options, FitJob& job, const FitParameter& row,
-                      const std::string& help) {
+void declareParameter(OptionTable& options, FitJob& job, const FitParameter& row) {
   if (row.option.read) {
     std::string& word = job.words[row.name] = row.option.unset;
-    options.text(row.name, &word, row.option.parts, help);
+    options.text(row.name, &word, row.option.parts, row.help);
     return;
   }
-  std::visit([&](auto member) { declareMember(options, job.params, row, help, member); },
-             row.member);
+  std::visit([&](auto member) { declareMember(options, job.params, row, member); }, row.member);
 }
 
 void declareParameters(OptionTable& options, FitJob& job, std::initializer_list<FitOption> groups) {
   for (const FitParameter& row : fitParameters()) {
-    if (std::count(groups.begin(), groups.end(), row.group))
-      declareParameter(options, job, row, row.help);
+    if (std::count(groups.begin(), groups.end(), row.group)) declareParameter(options, job, row);
   }
 }
 
@@ -122,10 +104,11 @@ void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job
   for (const char* name : {"frames", "frame_field"}) options.exclusive({"surface", name});
 }
 
-void declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help) {
-  for (const FitParameter& row : fitParameters()) {
-    if (row.group == FitOption::kSensor)
-      declareParameter(options, job, row, viewpoint_help.empty() ? row.help : viewpoint_help);
+void declareSensorOptions(OptionTable& options, FitJob& job, const char* viewpoint_help) {
+  for (FitParameter row : fitParameters()) {
+    if (row.group != FitOption::kSensor) continue;
+    if (viewpoint_help) row.help = viewpoint_help;
+    declareParameter(options, job, row);
   }
   options.text(
       "trajectory", &job.trajectory, "FILE",

@@ -47,9 +47,8 @@ void declareFitOptions(OptionTable& options, FitJob& job);
  * no effect with -surface. */
 void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
 
-/** \brief Adds -viewpoint, with this help unless it is empty, and those of a trajectory. */
-void declareSensorOptions(OptionTable& options, FitJob& job,
-                          const std::string& viewpoint_help = "");
+/** \brief Adds -viewpoint, with this help unless it is null, and those of a trajectory. */
+void declareSensorOptions(OptionTable& options, FitJob& job, const char* viewpoint_help = nullptr);
 
 /** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none.
  */

@@ -97,8 +97,7 @@ constexpr FitParameter kParameters[] = {
         "noise variance, as a share of the squared box diagonal", {1e-30, 1, "estimated"},
         {kAbove0, kFinite, "lambda must be positive (0: estimated)"}),
     row("viewpoint", &P::viewpoint, Option::kSensor,
-        "the side that the normals of a scan without normals shall face", {0, 0, "none", "X,Y,Z"},
-        {-kFinite, kFinite, "the viewpoint must be finite"}),
+        "the side that the normals of a scan without normals shall face", {0, 0, "none", "X,Y,Z"}),
     row("threads", &P::threads, Option::kThreads, "threads, 0: all cores; never changes the result",
         {0, 4096}),
     row("seed", &P::seed, Option::kRun, "seed of the order in which centres are tried", {0, kMany}),
@@ -112,25 +111,16 @@ constexpr FitParameter kParameters[] = {
     row("orient", &P::orient, Option::kNone, "one consistent side without normals"),
 };
 
-bool isWithin(const FitParameter::Range& range, double x) {
-  return x >= range.least && x <= range.most;
-}
-bool isWithin(const FitParameter::Range& range, const std::array<double, 3>& numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [&](double x) { return isWithin(range, x); });
-}
-template <typename Value>
-bool isWithin(const FitParameter::Range& range, const std::optional<Value>& value) {
-  return !value || isWithin(range, *value);
-}
-
-/** Whether a parameter is unset or in range. */
+/** The value of a parameter that is a number and set. */
 template <typename Holder, typename Value>
-bool isValid(const FitParams& params, const FitParameter::Range& range, Value Holder::*member) {
-  if constexpr (std::is_same_v<Holder, FitParams>) {
-    return isWithin(range, params.*member);
-  } else {
+std::optional<double> numberAt(const FitParams& params, Value Holder::*member) {
+  if constexpr (!std::is_same_v<Holder, FitParams>) {
     const auto* rule = std::get_if<Holder>(&params.size);
-    return rule == nullptr || isWithin(range, rule->*member);
+    return rule ? std::optional<double>(rule->*member) : std::nullopt;
+  } else if constexpr (std::is_same_v<Value, std::optional<std::array<double, 3>>>) {
+    return std::nullopt;
+  } else {
+    return std::optional<double>(params.*member);
   }
 }
 
@@ -146,6 +136,9 @@ Error validateTogether(const FitParams& params) {
   }
   if (params.noise_correlation.value_or(1) > 1 && no_noise)
     return bad("T_MDL and the paper's choices leave no room for shared errors: drop one");
+  const auto infinite = [](double x) { return !std::isfinite(x); };
+  if (params.viewpoint && std::any_of(params.viewpoint->begin(), params.viewpoint->end(), infinite))
+    return bad("the viewpoint must be finite");
   if (!params.noise_model) return {};
   const auto& [a, b, c] = *params.noise_model;
   const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
@@ -182,8 +175,10 @@ const std::vector<std::vector<const char*>>& exclusiveFitParameters() {
 
 Error FitParams::validate() const {
   for (const FitParameter& row : kParameters) {
-    const auto valid = [&](auto member) { return isValid(*this, row.range, member); };
-    if (row.range.error && !std::visit(valid, row.member)) return bad(row.range.error);
+    const auto [least, most, error] = row.range;
+    const auto at = [this](auto member) { return numberAt(*this, member); };
+    const std::optional<double> x = std::visit(at, row.member);
+    if (error && x && !(*x >= least && *x <= most)) return bad(error);
   }
   if (Error error = checkThreads(threads)) return error;
   return validateTogether(*this);
