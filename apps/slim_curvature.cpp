@@ -49,7 +49,7 @@ PointFile withCurvatures(const PointFile& file, const CloudProjection& projectio
                          int threads) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   const std::vector<std::string> names = fieldNames(directions);
-  PointFile made = withRealFields(file, names, pcl::PCLPointField::FLOAT32);
+  PointFile made = withRealFields(file, names, kFloat32);
   std::vector<FieldWriter> fields;
   for (const std::string& name : names) fields.emplace_back(made.cloud, name);
   Values unknown;

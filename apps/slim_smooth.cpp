@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 #include "projection/projection_job.h"
 #include "scan/cloud_file.h"
 
@@ -14,7 +15,7 @@ using namespace pcl_slim;
 /** The output's fields that a projection fills. */
 class SmoothFields {
  public:
-  SmoothFields(pcl::PCLPointCloud2& cloud, bool normals) : normals_(normals) {
+  SmoothFields(PointTable& cloud, bool normals) : normals_(normals) {
     for (const char* name : {"x", "y", "z"}) position_.emplace_back(cloud, name);
     if (!normals) return;
     for (const char* name : {"normal_x", "normal_y", "normal_z"}) normal_.emplace_back(cloud, name);
@@ -42,10 +43,9 @@ PointFile smoothed(const PointFile& file, const CloudProjection& projection, boo
                    int threads) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   // Integer coordinates cannot represent the points' new positions.
-  PointFile made = withRealFields(file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
+  PointFile made = withRealFields(file, {"x", "y", "z"}, kFloat64);
   if (normals) {
-    made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"},
-                          pcl::PCLPointField::FLOAT32);
+    made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"}, kFloat32);
   }
   const SmoothFields fields(made.cloud, normals);
   parallelFor(projection.size(), resolveThreads(threads), 4096, [&](std::size_t i, int) {

@@ -49,7 +49,7 @@ void note(std::uint64_t count, const char* one, const char* many, Console& conso
 }
 
 void writeTriples(const std::vector<Vector3>& values, const char* const (&names)[3],
-                  pcl::PCLPointCloud2& cloud) {
+                  PointTable& cloud) {
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(cloud, names[a]);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -62,13 +62,13 @@ PointFile meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMes
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
   // Integer coordinates cannot represent the vertices' new positions.
-  PointFile made = withRealFields(cloud.file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
+  PointFile made = withRealFields(cloud.file, {"x", "y", "z"}, kFloat64);
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(made.cloud, kPosition[a]);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) field.set(i, mesh.vertices[i][a]);
   }
   if (!job.normals) return made;
-  made = withRealFields(made, {kNormal[0], kNormal[1], kNormal[2]}, pcl::PCLPointField::FLOAT32);
+  made = withRealFields(made, {kNormal[0], kNormal[1], kNormal[2]}, kFloat32);
   writeTriples(mesh.normals, kNormal, made.cloud);
   return made;
 }
@@ -241,8 +241,7 @@ int runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, i
       if (!projection) return projection.error();
       made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
     }
-    const bool sensor = !made.sensor_origin.isZero() ||
-                        !made.sensor_orientation.isApprox(Eigen::Quaternionf::Identity());
+    const bool sensor = made.hasSensorPose();
     noteWhatIsNotKept(job.files.output, made.cloud.height > 1, sensor, console);
     result.save = [&] { return savePointFile(job.files.output, made); };
     result.detail = std::to_string(numPoints(made.cloud)) + " points";
