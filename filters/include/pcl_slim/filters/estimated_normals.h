@@ -24,8 +24,4 @@ PCL_SLIM_EXPORT Error estimateNormals(const CloudView& cloud, int k,
                                       const std::optional<std::array<double, 3>>& viewpoint,
                                       int threads, std::vector<float>& normals);
 
-/** \brief Turns normals to the sensors of their points. \param[in] view a view with sensors
- * \param[in,out] normals three floats for each point of view; zero or NaN ones stay as they are */
-PCL_SLIM_EXPORT void faceSensors(const CloudView& view, std::vector<float>& normals);
-
 }  // namespace pcl_slim

@@ -5,6 +5,8 @@
 #include <pcl/point_types.h>
 #include <pcl/search/search.h>
 
+#include <vector>
+#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/fit/fit.h"
 
@@ -29,5 +31,9 @@ PCL_SLIM_EXPORT Error pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr&
                                  const pcl::search::Search<pcl::PointXYZ>::Ptr& search,
                                  int neighbours, const FitParams& params,
                                  pcl::PointCloud<pcl::Normal>& normals);
+
+/** \brief Turns normals to the sensors of their points. \param[in] view a view with sensors
+ * \param[in,out] normals three floats for each point of view; zero or NaN ones stay as they are */
+PCL_SLIM_EXPORT void faceSensors(const CloudView& view, std::vector<float>& normals);
 
 }  // namespace pcl_slim

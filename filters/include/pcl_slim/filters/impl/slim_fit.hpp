@@ -13,7 +13,6 @@
 #include <optional>
 #include <type_traits>
 
-#include "pcl_slim/filters/estimated_normals.h"
 #include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/pcl_normals.h"
 #include "pcl_slim/filters/slim_fit.h"
