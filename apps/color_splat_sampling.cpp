@@ -8,7 +8,7 @@
 
 #include "common/run_program.h"
 #include "pcl_slim/cloud/store_frame.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "scan/fit_job.h"

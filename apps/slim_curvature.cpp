@@ -58,7 +58,7 @@ PointFile withCurvatures(const PointFile& file, const CloudProjection& projectio
                          const ProjectionJob& job) {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   const std::vector<std::string> names = fieldNames(job.more_fields);
-  PointFile made = withRealFields(file, names, pcl::PCLPointField::FLOAT32);
+  PointFile made = withRealFields(file, names, kFloat32);
   std::vector<FieldWriter> fields;
   for (const std::string& name : names) fields.emplace_back(made.cloud, name);
   Values unknown;

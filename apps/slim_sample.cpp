@@ -62,10 +62,9 @@ PointFile toFile(const SurfaceSamples& samples) {
   }
   const bool far = std::ldexp(largest, -24) > kShare * samples.spacing;
   PointFile file;
-  file.cloud.width = static_cast<pcl::uindex_t>(samples.size());
+  file.cloud.width = static_cast<std::uint32_t>(samples.size());
   file.cloud.height = 1;
-  file.cloud.is_dense = 1;
-  const std::uint8_t real = pcl::PCLPointField::FLOAT32, wide = pcl::PCLPointField::FLOAT64;
+  const std::uint8_t real = kFloat32, wide = kFloat64;
   file = withRealFields(file, {"x", "y", "z"}, far ? wide : real);
   file = withRealFields(
       file, {"normal_x", "normal_y", "normal_z", "curvature", "gaussian_curvature"}, real);

@@ -49,7 +49,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
 /** The output's fields that a projection fills. */
 class SmoothFields {
  public:
-  SmoothFields(pcl::PCLPointCloud2& cloud, bool normals) : normals_(normals) {
+  SmoothFields(PointTable& cloud, bool normals) : normals_(normals) {
     for (const char* name : {"x", "y", "z"}) position_.emplace_back(cloud, name);
     if (!normals) return;
     for (const char* name : {"normal_x", "normal_y", "normal_z"}) normal_.emplace_back(cloud, name);
@@ -79,10 +79,9 @@ PointFile smoothed(const PointFile& file, const CloudProjection& projection,
   const bool normals = job.more_fields;
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   // Integer coordinates cannot represent the points' new positions.
-  PointFile made = withRealFields(file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
+  PointFile made = withRealFields(file, {"x", "y", "z"}, kFloat64);
   if (normals) {
-    made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"},
-                          pcl::PCLPointField::FLOAT32);
+    made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"}, kFloat32);
   }
   const SmoothFields fields(made.cloud, normals);
   parallelFor(projection.size(), resolveThreads(job.projection.threads), 4096,
@@ -118,7 +117,7 @@ void note(std::uint64_t count, const char* one, const char* many, Console& conso
 }
 
 void writeTriples(const std::vector<Vector3>& values, const char* const (&names)[3],
-                  pcl::PCLPointCloud2& cloud) {
+                  PointTable& cloud) {
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(cloud, names[a]);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -132,13 +131,13 @@ PointFile meshFile(const CloudFile& cloud, const SmoothedMesh& mesh, bool normal
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
   // Integer coordinates cannot represent the vertices' new positions.
-  PointFile made = withRealFields(cloud.file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
+  PointFile made = withRealFields(cloud.file, {"x", "y", "z"}, kFloat64);
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(made.cloud, kPosition[a]);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) field.set(i, mesh.vertices[i][a]);
   }
   if (!normals) return made;
-  made = withRealFields(made, {kNormal[0], kNormal[1], kNormal[2]}, pcl::PCLPointField::FLOAT32);
+  made = withRealFields(made, {kNormal[0], kNormal[1], kNormal[2]}, kFloat32);
   writeTriples(mesh.normals, kNormal, made.cloud);
   return made;
 }

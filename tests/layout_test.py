@@ -5,9 +5,9 @@
     python3 tests/layout_test.py ROOT --figures  prints the distribution of lengths as well
 
 Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
-VTK, includes between folders follow ARROWS and make no cycle, nor do those between the folders of one
-module, private headers keep their names in a namespace of their own, no two types have one name,
-files and functions are short.
+VTK, programs include no header of PCL or Eigen, themselves or through ours, includes between folders
+follow ARROWS and make no cycle, nor do those between the folders of one module, private headers keep
+their names in a namespace of their own, no two types have one name, files and functions are short.
 Links of the documents lead to files and headings that are there.
 """
 import collections
@@ -211,6 +211,18 @@ def breaches_of_file(path, text):
         yield "a private header declares names outside pcl_slim::detail"
 
 
+def heavy_includes(path, files, texts):
+    """PCL's and Eigen's headers that a source includes, itself or through the project's files: (file, header)."""
+    seen, stack = {path}, [path]
+    while stack:
+        name = stack.pop()
+        for header in re.findall(r'^ *#include [<"]((?:pcl|Eigen)/[^>"]+)', texts[name], re.M):
+            yield name, header
+        for other in files[name] - seen:
+            seen.add(other)
+            stack.append(other)
+
+
 def breaches(root, paths):
     texts = {p: open(os.path.join(root, p), encoding="utf-8").read() for p in paths}
     by_name = index(paths)
@@ -235,6 +247,10 @@ def breaches(root, paths):
                 if folder.endswith("/src"):
                     yield f"{path}: includes {other}, a private part of another module"
             rooms[room].add(its)
+    for path in paths:
+        if path.startswith("apps/"):
+            for name, header in heavy_includes(path, files, texts):
+                yield f"{path}: includes <{header}> of {name}: programs do without PCL and Eigen"
     for graph, what in ((files, "files"), (folders, "folders of a module"), (rooms, "modules")):
         found = cycle(graph)
         if found:

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/scan/scan.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/scan/scan.h"
 
 namespace pcl_slim {
 
@@ -29,9 +29,8 @@ PointFile rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows) {
         file.cloud.data.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * step);
     some.cloud.data.insert(some.cloud.data.end(), from, from + static_cast<std::ptrdiff_t>(step));
   }
-  some.cloud.width = static_cast<pcl::uindex_t>(rows.size());
+  some.cloud.width = static_cast<std::uint32_t>(rows.size());
   some.cloud.height = 1;
-  some.cloud.row_step = static_cast<pcl::uindex_t>(some.cloud.data.size());
   return some;
 }
 
@@ -42,8 +41,7 @@ void putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::
   if (all.cloud.data.empty()) {
     all = some;
     all.cloud.data.assign(count * step, 0);
-    all.cloud.width = static_cast<pcl::uindex_t>(count);
-    all.cloud.row_step = static_cast<pcl::uindex_t>(count * step);
+    all.cloud.width = static_cast<std::uint32_t>(count);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto from = some.cloud.data.begin() + static_cast<std::ptrdiff_t>(i * step);

@@ -81,8 +81,7 @@ void warnOfLeftOut(const CloudFile& scan, Console& console) {
 
 Error savePoints(const ProjectionJob& job, const PointFile& points, Console& console,
                  Report& report) {
-  const bool sensor = !points.sensor_origin.isZero() ||
-                      !points.sensor_orientation.isApprox(Eigen::Quaternionf::Identity());
+  const bool sensor = points.hasSensorPose();
   noteWhatIsNotKept(job.files.output, points.cloud.height > 1, sensor, console);
   return saveOutput(
       job.files.output, job.files.json, [&] { return savePointFile(job.files.output, points); },

@@ -27,8 +27,8 @@ void close(SpaceLine& line) {
 Result<std::vector<SpaceLine>> loadLines(const std::string& path) {
   const auto file = loadPointFile(path);
   if (!file) return file.error();
-  const pcl::PCLPointCloud2& cloud = file->cloud;
-  std::vector<pcl::PCLPointField> fields;
+  const PointTable& cloud = file->cloud;
+  std::vector<PointField> fields;
   for (const char* name : {"x", "y", "z", "line", "type"}) {
     const int index = findField(cloud, name);
     if (index < 0) {

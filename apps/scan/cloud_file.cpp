@@ -6,33 +6,31 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <memory>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "pcl_slim/core/vector3.h"
-#include "pcl_slim/filters/pcl_normals.h"
+#include "pcl_slim/filters/estimated_normals.h"
 
 namespace pcl_slim {
 
 namespace {
 
 /** A field of colours that is packed into four bytes, or null. */
-const pcl::PCLPointField* packedField(const pcl::PCLPointCloud2& points) {
+const PointField* packedField(const PointTable& points) {
   for (const char* name : {"rgba", "rgb"}) {
     const int i = findField(points, name);
     if (i < 0) continue;
-    const pcl::PCLPointField& field = points.fields[static_cast<std::size_t>(i)];
-    if (field.datatype == pcl::PCLPointField::FLOAT32 ||
-        field.datatype == pcl::PCLPointField::UINT32 || field.datatype == pcl::PCLPointField::INT32)
+    const PointField& field = points.fields[static_cast<std::size_t>(i)];
+    if (field.datatype == kFloat32 || field.datatype == kUInt32 || field.datatype == kInt32)
       return &field;
   }
   return nullptr;
 }
 
 /** The fields of blue, green and red, or nothing. */
-std::vector<const pcl::PCLPointField*> channelFields(const pcl::PCLPointCloud2& points) {
-  std::vector<const pcl::PCLPointField*> fields;
+std::vector<const PointField*> channelFields(const PointTable& points) {
+  std::vector<const PointField*> fields;
   for (const auto& names : {std::array<const char*, 3>{"blue", "green", "red"},
                             std::array<const char*, 3>{"b", "g", "r"}}) {
     fields.clear();
@@ -53,14 +51,13 @@ double whiteOf(double largest, bool fractions) {
 /** Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their white
  * is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
 void adoptColors(CloudFile& cloud) {
-  const pcl::PCLPointCloud2& points = cloud.file.cloud;
+  const PointTable& points = cloud.file.cloud;
   const auto fields = channelFields(points);
   if (fields.empty() || packedField(points) != nullptr) return;
   double largest = 0;
   bool fractions = false;
-  for (const pcl::PCLPointField* field : fields) {
-    fractions = fractions || field->datatype == pcl::PCLPointField::FLOAT32 ||
-                field->datatype == pcl::PCLPointField::FLOAT64;
+  for (const PointField* field : fields) {
+    fractions = fractions || field->datatype == kFloat32 || field->datatype == kFloat64;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const double value = fieldValue(points, i, *field);
       if (std::isfinite(value)) largest = std::max(largest, value);
@@ -78,7 +75,7 @@ void adoptColors(CloudFile& cloud) {
 }  // namespace
 
 ColorView colorsOf(const CloudFile& cloud) {
-  const pcl::PCLPointCloud2& points = cloud.file.cloud;
+  const PointTable& points = cloud.file.cloud;
   if (const auto* field = packedField(points)) {
     return {points.data.data() + field->offset, points.point_step};
   }
@@ -138,8 +135,8 @@ constexpr const char* kCoordinates[3] = {"x", "y", "z"};
 constexpr const char* kNormals[3] = {"normal_x", "normal_y", "normal_z"};
 constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
 
-bool findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
-                const pcl::PCLPointField* (&fields)[3]) {
+bool findTriple(const PointTable& cloud, const char* const (&names)[3],
+                const PointField* (&fields)[3]) {
   for (int k = 0; k < 3; ++k) {
     const int i = findField(cloud, names[k]);
     if (i < 0) return false;
@@ -149,8 +146,8 @@ bool findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
 }
 
 /** Whether three fields are consecutive values of this type at addresses aligned for it. */
-bool usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3],
-                   std::uint8_t type, std::size_t size) {
+bool usableInPlace(const PointTable& cloud, const PointField* const (&fields)[3], std::uint8_t type,
+                   std::size_t size) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (fields[k]->datatype != type || fields[k]->offset != fields[0]->offset + k * size)
       return false;
@@ -160,8 +157,7 @@ bool usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* c
 }
 
 template <typename T>
-std::vector<T> copyTriple(const pcl::PCLPointCloud2& cloud,
-                          const pcl::PCLPointField* const (&fields)[3]) {
+std::vector<T> copyTriple(const PointTable& cloud, const PointField* const (&fields)[3]) {
   std::vector<T> values(numPoints(cloud) * 3);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = static_cast<T>(fieldValue(cloud, i / 3, *fields[i % 3]));
@@ -202,7 +198,7 @@ std::vector<float> meshNormals(const PointFile& file, const CloudView& view) {
 
 /** Takes the places that points were seen from out of their fields, unless all are 0: unknown. */
 void adoptSensors(CloudFile& cloud) {
-  const pcl::PCLPointField* fields[3];
+  const PointField* fields[3];
   if (!findTriple(cloud.file.cloud, kSensors, fields)) return;
   std::vector<double> places = copyTriple<double>(cloud.file.cloud, fields);
   const bool known = std::any_of(places.begin(), places.end(), [](double v) { return v != 0; });
@@ -210,10 +206,10 @@ void adoptSensors(CloudFile& cloud) {
 }
 
 void adoptNormals(CloudFile& cloud) {
-  const pcl::PCLPointField* fields[3];
+  const PointField* fields[3];
   if (findTriple(cloud.file.cloud, kNormals, fields)) {
     cloud.normal_source = NormalSource::kFields;
-    if (!usableInPlace(cloud.file.cloud, fields, pcl::PCLPointField::FLOAT32, sizeof(float))) {
+    if (!usableInPlace(cloud.file.cloud, fields, kFloat32, sizeof(float))) {
       cloud.normals = copyTriple<float>(cloud.file.cloud, fields);
     }
   } else if (cloud.file.numFaces() > 0) {
@@ -228,8 +224,8 @@ void adoptNormals(CloudFile& cloud) {
 }  // namespace
 
 std::array<double, 3> CloudFile::sensor() const {
-  const Eigen::Vector4f& at = file.sensor_origin;
-  if (!at.head<3>().allFinite()) return {};
+  const std::array<float, 3>& at = file.sensor_origin;
+  if (!isFinite(at)) return {};
   return {at[0], at[1], at[2]};
 }
 
@@ -243,7 +239,7 @@ CloudView CloudFile::view(bool with_normals) const {
     view.sensors_stride = 3 * sizeof(double);
   }
   if (!frames.empty()) view.frame_numbers = frames.data();
-  const pcl::PCLPointField* fields[3];
+  const PointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
   if (!xyz.empty()) {
@@ -274,15 +270,13 @@ Result<CloudFile> loadCloudFile(const std::string& path) {
 Result<CloudFile> asCloudFile(PointFile file, const std::string& name) {
   CloudFile cloud;
   cloud.file = std::move(file);
-  const pcl::PCLPointCloud2& points = cloud.file.cloud;
-  const pcl::PCLPointField* fields[3];
+  const PointTable& points = cloud.file.cloud;
+  const PointField* fields[3];
   if (!findTriple(points, kCoordinates, fields)) {
     return Error{ErrorCode::kBadInput, "'" + name + "' has no fields x y z; name a point cloud"};
   }
-  cloud.double_precision =
-      usableInPlace(points, fields, pcl::PCLPointField::FLOAT64, sizeof(double));
-  if (!cloud.double_precision &&
-      !usableInPlace(points, fields, pcl::PCLPointField::FLOAT32, sizeof(float))) {
+  cloud.double_precision = usableInPlace(points, fields, kFloat64, sizeof(double));
+  if (!cloud.double_precision && !usableInPlace(points, fields, kFloat32, sizeof(float))) {
     cloud.xyz = copyTriple<double>(points, fields);
     cloud.double_precision = true;
   }
@@ -296,84 +290,25 @@ Result<CloudFile> asCloudFile(PointFile file, const std::string& name) {
   return cloud;
 }
 
-namespace {
-
-/** A cloud's finite points as floats PCL can square: from the first of them, and where they are
- * very large or small, scaled by a power of two. */
-struct PlainPoints {
-  pcl::PointCloud<pcl::PointXYZ>::Ptr points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  std::vector<std::size_t> source;  ///< the point of the cloud that each is
-  std::array<double, 3> origin{};
-  double scale = 1.0;
-
-  double local(double world, std::size_t axis) const { return scale * (world - origin[axis]); }
-};
-
-PlainPoints plainPoints(const CloudView& view) {
-  PlainPoints plain;
-  double largest = 0;
-  for (std::size_t i = 0; i < view.size; ++i) {
-    const std::array<double, 3> p = view.position(i);
-    if (!isFinite(p)) continue;
-    if (plain.source.empty()) plain.origin = p;
-    plain.source.push_back(i);
-    for (std::size_t a = 0; a < 3; ++a) {
-      largest = std::max(largest, std::abs(0.5 * p[a] - 0.5 * plain.origin[a]));
-    }
-  }
-  constexpr int kLeastExponent = -1000;  // the inverse of a smaller power is infinite
-  if (largest > 0 && (largest > 1e12 || largest < 1e-9)) {
-    plain.scale = std::exp2(-std::max(std::ilogb(largest), kLeastExponent));
-  }
-  for (const std::size_t i : plain.source) {
-    const std::array<double, 3> p = view.position(i);
-    plain.points->push_back(pcl::PointXYZ(static_cast<float>(plain.local(p[0], 0)),
-                                          static_cast<float>(plain.local(p[1], 1)),
-                                          static_cast<float>(plain.local(p[2], 2))));
-  }
-  return plain;
-}
-
-}  // namespace
-
 Error estimateNormals(int k, const std::optional<std::array<double, 3>>& viewpoint, int threads,
                       CloudFile& cloud) {
-  const PlainPoints plain = plainPoints(cloud.view());
-  cloud.normals.assign(cloud.size() * 3, 0.0f);
   cloud.normal_source = NormalSource::kEstimated;
-  if (plain.source.empty()) return {};
-  FitParams params;
-  params.threads = threads;
-  params.viewpoint = viewpoint.value_or(cloud.sensor());
-  for (std::size_t a = 0; a < 3; ++a)
-    (*params.viewpoint)[a] = plain.local((*params.viewpoint)[a], a);
-  auto selected = std::make_shared<pcl::Indices>(plain.source.size());
-  std::iota(selected->begin(), selected->end(), 0);
-  pcl::PointCloud<pcl::Normal> estimated;
-  Error error = pclNormals(plain.points, selected, makeSearch(plain.points), k, params, estimated);
-  for (std::size_t i = 0; i < plain.source.size() && !error; ++i) {
-    std::memcpy(&cloud.normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
-  }
-  if (!cloud.sensors.empty() && !viewpoint && !error) faceSensors(cloud.view(), cloud.normals);
-  return error;
+  return estimateNormals(cloud.view(false), k, viewpoint, threads, cloud.normals);
 }
 
 namespace {
 
-bool isReal(const pcl::PCLPointField& field) {
-  return field.datatype == pcl::PCLPointField::FLOAT32 ||
-         field.datatype == pcl::PCLPointField::FLOAT64;
+bool isReal(const PointField& field) {
+  return field.datatype == kFloat32 || field.datatype == kFloat64;
 }
 
 std::size_t realSize(std::uint8_t type) {
-  return type == pcl::PCLPointField::FLOAT64 ? sizeof(double) : sizeof(float);
+  return type == kFloat64 ? sizeof(double) : sizeof(float);
 }
 
 /** Bytes of a field, with all its elements. */
-std::size_t fieldBytes(const pcl::PCLPointField& field) {
-  static constexpr std::size_t kSize[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 1};
-  const std::size_t size = field.datatype < std::size(kSize) ? kSize[field.datatype] : 0;
-  return size * std::max<std::size_t>(field.count, 1);
+std::size_t fieldBytes(const PointField& field) {
+  return scalarSize(field.datatype) * std::max<std::size_t>(field.count, 1);
 }
 
 void storeReal(unsigned char* at, bool is_double, double value) {
@@ -386,15 +321,15 @@ void storeReal(unsigned char* at, bool is_double, double value) {
 }
 
 /** Copies one field of every point to its place in another layout, changing its type if need be. */
-void moveField(const pcl::PCLPointCloud2& from, const pcl::PCLPointField& source,
-               const pcl::PCLPointField& target, pcl::PCLPointCloud2& to) {
+void moveField(const PointTable& from, const PointField& source, const PointField& target,
+               PointTable& to) {
   const std::size_t bytes = fieldBytes(source);
   for (std::size_t i = 0; i < numPoints(from); ++i) {
     unsigned char* at = to.data.data() + i * to.point_step + target.offset;
     if (source.datatype == target.datatype) {
       std::memcpy(at, from.data.data() + i * from.point_step + source.offset, bytes);
     } else {
-      const bool is_double = target.datatype == pcl::PCLPointField::FLOAT64;
+      const bool is_double = target.datatype == kFloat64;
       storeReal(at, is_double, fieldValue(from, i, source));
     }
   }
@@ -404,14 +339,14 @@ void moveField(const pcl::PCLPointCloud2& from, const pcl::PCLPointField& source
 
 PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
                          std::uint8_t type) {
-  const pcl::PCLPointCloud2& from = file.cloud;
-  std::vector<pcl::PCLPointField> fields = from.fields;
+  const PointTable& from = file.cloud;
+  std::vector<PointField> fields = from.fields;
   bool same = true;
   for (const std::string& name : names) {
     const int i = findField(from, name);
     if (i >= 0 && isReal(from.fields[static_cast<std::size_t>(i)])) continue;
     if (i < 0) fields.emplace_back();
-    pcl::PCLPointField& field = i < 0 ? fields.back() : fields[static_cast<std::size_t>(i)];
+    PointField& field = i < 0 ? fields.back() : fields[static_cast<std::size_t>(i)];
     field.name = name;
     field.datatype = type;
     field.count = 1;
@@ -427,20 +362,16 @@ PointFile withRealFields(const PointFile& file, const std::vector<std::string>& 
   made.face_vertices = file.face_vertices;
   made.las_head = file.las_head;
   made.las_tail = file.las_tail;
-  pcl::PCLPointCloud2& to = made.cloud;
-  to.header = from.header;
+  PointTable& to = made.cloud;
   to.width = from.width;
   to.height = from.height;
-  to.is_bigendian = from.is_bigendian;
-  to.is_dense = from.is_dense;
   std::size_t step = 0;
-  for (pcl::PCLPointField& field : fields) {
-    field.offset = static_cast<pcl::uindex_t>(step);
+  for (PointField& field : fields) {
+    field.offset = static_cast<std::uint32_t>(step);
     step += fieldBytes(field);
   }
   to.fields = std::move(fields);
-  to.point_step = static_cast<pcl::uindex_t>(step);
-  to.row_step = static_cast<pcl::uindex_t>(step * to.width);
+  to.point_step = static_cast<std::uint32_t>(step);
   to.data.assign(step * numPoints(from), 0);
   for (std::size_t k = 0; k < from.fields.size(); ++k) {
     moveField(from, from.fields[k], to.fields[k], to);
@@ -448,8 +379,7 @@ PointFile withRealFields(const PointFile& file, const std::vector<std::string>& 
   return made;
 }
 
-FieldWriter::FieldWriter(pcl::PCLPointCloud2& cloud, const std::string& name)
-    : step_(cloud.point_step) {
+FieldWriter::FieldWriter(PointTable& cloud, const std::string& name) : step_(cloud.point_step) {
   const auto& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
   first_ = cloud.data.data() + field.offset;
   double_ = realSize(field.datatype) == sizeof(double);

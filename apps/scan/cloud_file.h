@@ -84,14 +84,14 @@ Error mergeFrames(const std::string& name, const std::vector<std::string>& other
 /** \brief Numbers the frames of a cloud by the values of a field, in ascending order.
  * \return an error where there is no such field or one of its values is not finite. O(points log
  * frames). */
-Error framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+Error framesByField(const PointTable& cloud, const std::string& field,
                     std::vector<std::uint32_t>& numbers);
 
 /** \brief A copy of a point file in which these fields can be written as real numbers.
  *
  * Fields keep their order, bytes and types; a named one of a whole-number type becomes type,
  * one that is not there is added at the end as type, with zeros. \param[in] type
- * pcl::PCLPointField::FLOAT32 or FLOAT64. O(bytes of the cloud).
+ * kFloat32 or FLOAT64. O(bytes of the cloud).
  */
 PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
                          std::uint8_t type);
@@ -101,7 +101,7 @@ PointFile withRealFields(const PointFile& file, const std::vector<std::string>& 
 class FieldWriter {
  public:
   /** \param[in,out] cloud must have the field and outlive this object. */
-  FieldWriter(pcl::PCLPointCloud2& cloud, const std::string& name);
+  FieldWriter(PointTable& cloud, const std::string& name);
 
   void set(std::size_t point, double value) const;
 

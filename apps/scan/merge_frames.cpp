@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "pcl_slim/core/vector3.h"
+
 namespace pcl_slim {
 
 namespace {
@@ -25,7 +27,7 @@ bool hasOwnSensors(const PointFile& frame) {
   });
 }
 
-void fill(const std::string& name, double value, pcl::PCLPointCloud2& cloud) {
+void fill(const std::string& name, double value, PointTable& cloud) {
   const FieldWriter field(cloud, name);
   for (std::size_t i = 0; i < numPoints(cloud); ++i) field.set(i, value);
 }
@@ -35,11 +37,10 @@ PointFile withOrigin(const PointFile& frame, std::uint32_t number) {
   std::vector<std::string> fields = kSensor;
   const bool has_number = findField(frame.cloud, kFrame) >= 0;
   if (!has_number) fields.emplace_back(kFrame);
-  PointFile made = withRealFields(frame, fields, pcl::PCLPointField::FLOAT32);
+  PointFile made = withRealFields(frame, fields, kFloat32);
   if (!has_number) fill(kFrame, number, made.cloud);
   if (hasOwnSensors(frame)) return made;
-  for (int a = 0; a < 3; ++a)
-    fill(kSensor[static_cast<std::size_t>(a)], frame.sensor_origin[a], made.cloud);
+  for (std::size_t a = 0; a < 3; ++a) fill(kSensor[a], frame.sensor_origin[a], made.cloud);
   return made;
 }
 
@@ -50,32 +51,29 @@ Error checkFrame(const std::string& first_name, const PointFile& first, const st
     return {ErrorCode::kBadInput, "'" + (frame.numFaces() > 0 ? name : first_name) +
                                       "' has faces: -frames merges points; name files without"};
   }
-  if (!frame.sensor_origin.head<3>().allFinite())
+  if (!isFinite(frame.sensor_origin))
     return {ErrorCode::kBadInput, "'" + name + "' has a VIEWPOINT that is not finite; correct it"};
   const auto& fields = frame.cloud.fields;
   const auto& expected = first.cloud.fields;
-  const auto same = [](const pcl::PCLPointField& a, const pcl::PCLPointField& b) {
+  const auto same = [](const PointField& a, const PointField& b) {
     return a.name == b.name && a.datatype == b.datatype && a.count == b.count &&
            a.offset == b.offset;
   };
   if (frame.cloud.point_step == first.cloud.point_step &&
-      frame.cloud.is_bigendian == first.cloud.is_bigendian &&
       std::equal(fields.begin(), fields.end(), expected.begin(), expected.end(), same))
     return {};
   return {ErrorCode::kBadInput, "'" + name + "' has other fields than '" + first_name +
                                     "'; give frames of the same fields and types"};
 }
 
-void setOneRow(std::size_t points, pcl::PCLPointCloud2& cloud) {
+void setOneRow(std::size_t points, PointTable& cloud) {
   cloud.width = static_cast<std::uint32_t>(points);
   cloud.height = 1;
-  cloud.row_step = cloud.width * cloud.point_step;
 }
 
-void append(const pcl::PCLPointCloud2& frame, pcl::PCLPointCloud2& merged) {
+void append(const PointTable& frame, PointTable& merged) {
   const std::size_t points = numPoints(merged) + numPoints(frame);
   merged.data.insert(merged.data.end(), frame.data.begin(), frame.data.end());
-  merged.is_dense = merged.is_dense && frame.is_dense;
   setOneRow(points, merged);
 }
 
@@ -100,7 +98,7 @@ Error mergeFrames(const std::string& name, const std::vector<std::string>& other
   return {};
 }
 
-Error framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+Error framesByField(const PointTable& cloud, const std::string& field,
                     std::vector<std::uint32_t>& numbers) {
   const int found = findField(cloud, field);
   if (found < 0) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/bench_mesh.h"
 
-#include <pcl/conversions.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
+#include <cstring>
 
 #include "pcl_slim/filters/io/point_file.h"
 
@@ -53,13 +51,17 @@ Result<Pair> loadPair(const std::string& folder, const std::string& name) {
 }
 
 Error saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces) {
-  pcl::PointCloud<pcl::PointXYZ> cloud;
-  for (const Vector3& p : vertices) {
-    cloud.emplace_back(static_cast<float>(p[0]), static_cast<float>(p[1]),
-                       static_cast<float>(p[2]));
-  }
   PointFile file;
-  pcl::toPCLPointCloud2(cloud, file.cloud);
+  for (const char* name : {"x", "y", "z"}) addField(file.cloud, name, kFloat32);
+  file.cloud.resize(vertices.size());
+  std::uint8_t* at = file.cloud.data.data();
+  for (const Vector3& p : vertices) {
+    for (const double coordinate : p) {
+      const auto value = static_cast<float>(coordinate);
+      std::memcpy(at, &value, sizeof(value));
+      at += sizeof(value);
+    }
+  }
   file.face_begin = faces.begin;
   file.face_vertices = faces.corners;
   return savePointFile(path, file);

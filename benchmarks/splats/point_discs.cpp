@@ -11,7 +11,7 @@
 
 #include "common/options.h"
 #include "pcl_slim/cloud/knn.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_files.h"
 #include "scan/cloud_file.h"
 
 namespace {

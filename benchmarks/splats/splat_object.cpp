@@ -16,22 +16,12 @@ using namespace pcl_slim;
 
 PointFile fileOf(const measure::PaintedObject& object, bool normals) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   for (const char* name : {"x", "y", "z", "rgb", "normal_x", "normal_y", "normal_z"}) {
     if (name[0] == 'n' && !normals) break;
-    pcl::PCLPointField field;
-    field.name = name;
-    field.offset = cloud.point_step;
-    field.datatype = pcl::PCLPointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-    cloud.point_step += 4;
+    addField(cloud, name, kFloat32);
   }
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(object.rgb.size());
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.is_dense = 1;
-  cloud.data.resize(cloud.row_step);
+  cloud.resize(object.rgb.size());
   for (std::size_t i = 0; i < object.rgb.size(); ++i) {
     unsigned char* at = cloud.data.data() + i * cloud.point_step;
     std::memcpy(at, &object.xyz[3 * i], 12);

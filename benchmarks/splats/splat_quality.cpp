@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/options.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_files.h"
 #include "splats/methods.h"
 #include "splats/picture_quality.h"
 

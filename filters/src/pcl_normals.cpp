@@ -9,11 +9,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/filters/estimated_normals.h"
 
 #ifdef PCL_NO_PRECOMPILE
 namespace pcl_slim {
@@ -135,6 +139,67 @@ Error pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
     if (!normalOf(*cloud, point, *search, neighbours, viewpoint, normals[i])) dense = false;
   });
   normals.is_dense = dense;
+  return {};
+}
+
+namespace {
+
+/** A cloud's finite points as floats PCL can square: from the first of them, and where they are
+ * very large or small, scaled by a power of two. */
+struct PlainPoints {
+  pcl::PointCloud<pcl::PointXYZ>::Ptr points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::vector<std::size_t> source;  ///< the point of the cloud that each is
+  std::array<double, 3> origin{};
+  double scale = 1.0;
+
+  explicit PlainPoints(const CloudView& view) {
+    double largest = 0;
+    for (std::size_t i = 0; i < view.size; ++i) {
+      const std::array<double, 3> p = view.position(i);
+      if (!isFinite(p)) continue;
+      if (source.empty()) origin = p;
+      source.push_back(i);
+      for (std::size_t a = 0; a < 3; ++a) {
+        largest = std::max(largest, std::abs(0.5 * p[a] - 0.5 * origin[a]));
+      }
+    }
+    constexpr int kLeastExponent = -1000;  // the inverse of a smaller power is infinite
+    if (largest > 0 && (largest > 1e12 || largest < 1e-9)) {
+      scale = std::exp2(-std::max(std::ilogb(largest), kLeastExponent));
+    }
+    for (const std::size_t i : source) {
+      const std::array<double, 3> p = local(view.position(i));
+      points->push_back(pcl::PointXYZ(static_cast<float>(p[0]), static_cast<float>(p[1]),
+                                      static_cast<float>(p[2])));
+    }
+  }
+
+  std::array<double, 3> local(const std::array<double, 3>& world) const {
+    return {scale * (world[0] - origin[0]), scale * (world[1] - origin[1]),
+            scale * (world[2] - origin[2])};
+  }
+};
+
+}  // namespace
+
+Error estimateNormals(const CloudView& cloud, int k,
+                      const std::optional<std::array<double, 3>>& viewpoint, int threads,
+                      std::vector<float>& normals) {
+  const PlainPoints plain(cloud);
+  normals.assign(cloud.size * 3, 0.0f);
+  if (plain.source.empty()) return {};
+  FitParams params;
+  params.threads = threads;
+  params.viewpoint =
+      plain.local(viewpoint.value_or(cloud.sensor.value_or(std::array<double, 3>{})));
+  pcl::PointCloud<pcl::Normal> estimated;
+  if (Error error =
+          pclNormals(plain.points, nullptr, makeSearch(plain.points), k, params, estimated))
+    return error;
+  for (std::size_t i = 0; i < plain.source.size(); ++i) {
+    std::memcpy(&normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
+  }
+  if (cloud.sensors && !viewpoint) faceSensors(cloud, normals);
   return {};
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "door_suite.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_files.h"
 
 namespace pcl_slim {
 namespace {

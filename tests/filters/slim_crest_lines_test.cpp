@@ -154,8 +154,8 @@ TEST(CrestFiles, EveryFormatHoldsTheLines) {
 }
 
 TEST(CrestFiles, FarCoordinatesStayDouble) {
-  EXPECT_EQ(toPointFile(twoLines(0)).cloud.fields[0].datatype, pcl::PCLPointField::FLOAT32);
-  EXPECT_EQ(toPointFile(twoLines(5e6)).cloud.fields[0].datatype, pcl::PCLPointField::FLOAT64);
+  EXPECT_EQ(toPointFile(twoLines(0)).cloud.fields[0].datatype, kFloat32);
+  EXPECT_EQ(toPointFile(twoLines(5e6)).cloud.fields[0].datatype, kFloat64);
 }
 
 TEST(CrestFiles, APictureShowsEachSideInItsColour) {

@@ -11,7 +11,6 @@
 #include "io/vtp/vtp.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/order_statistics.h"
-#include "pcl_slim/filters/point_crest.h"
 
 namespace pcl_slim {
 
@@ -58,42 +57,15 @@ void putRest(const CrestLines& lines, std::size_t line, std::size_t v, std::uint
 
 }  // namespace
 
-void toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud) {
-  cloud = pcl::PointCloud<PointCrest>();
-  cloud.reserve(lines.numVertices());
-  for (std::size_t line = 0; line < lines.numLines(); ++line) {
-    for (std::uint32_t v = lines.line_begin[line]; v < lines.line_begin[line + 1]; ++v) {
-      PointCrest p;
-      for (std::size_t a = 0; a < 3; ++a) {
-        p.data[a] = static_cast<float>(lines.position[v][a]);
-        p.data_n[a] = lines.normal[v][a];
-      }
-      p.tangent_x = lines.tangent[v][0];
-      p.tangent_y = lines.tangent[v][1];
-      p.tangent_z = lines.tangent[v][2];
-      p.k1 = lines.k1[v];
-      p.k2 = lines.k2[v];
-      p.significance = lines.significance[v];
-      p.strength = static_cast<float>(lines.strength[line]);
-      p.type = static_cast<std::uint32_t>(lines.type[line]);
-      p.line = static_cast<std::uint32_t>(line);
-      cloud.push_back(p);
-    }
-  }
-}
-
 PointFile toPointFile(const CrestLines& lines) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   const bool narrow = floatsSuffice(lines);
   for (std::size_t c = 0; c < kNumColumns; ++c) {
     const bool whole = c + kWholeNumbers >= kNumColumns;
     addField(cloud, kColumns[c], c < 3 && !narrow ? kFloat64 : whole ? kUInt32 : kFloat32);
   }
-  cloud.width = static_cast<pcl::uindex_t>(lines.numVertices());
-  cloud.height = 1;
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(static_cast<std::size_t>(cloud.point_step) * cloud.width);
+  cloud.resize(lines.numVertices());
   std::uint8_t* at = cloud.data.data();
   for (std::size_t line = 0; line < lines.numLines(); ++line) {
     for (std::uint32_t v = lines.line_begin[line]; v < lines.line_begin[line + 1]; ++v) {

@@ -15,7 +15,6 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/srgb.h"
-#include "pcl_slim/filters/io/mesh_conversion.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
@@ -46,19 +45,13 @@ bool floatsSuffice(const TriangleMesh& mesh) {
   return floatErrorOf(mesh) <= kShareOfEdge;
 }
 
-/** The columns of vertices in addition to x y z and normals. */
-struct MeshColumns {
-  bool narrow = true;     ///< x y z as float, not double
-  bool curvature = true;  ///< k1 and k2
-};
-
 template <typename T>
 void put(T value, std::uint8_t*& at) {
   std::memcpy(at, &value, sizeof(value));
   at += sizeof(value);
 }
 
-void addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPointCloud2& cloud) {
+void addFields(const TriangleMesh& mesh, const MeshColumns& columns, PointTable& cloud) {
   const auto place = columns.narrow ? kFloat32 : kFloat64;
   for (const char* name : {"x", "y", "z"}) addField(cloud, name, place);
   for (const char* name : {"normal_x", "normal_y", "normal_z"}) {
@@ -70,15 +63,13 @@ void addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPoi
   if (!mesh.colors.empty()) addField(cloud, "rgb", kFloat32);
 }
 
-/** Vertices as points, with colours if there are any, and triangles as faces. */
+}  // namespace
+
 PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   addFields(mesh, columns, cloud);
-  cloud.width = static_cast<pcl::uindex_t>(mesh.vertices.size());
-  cloud.height = 1;
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(static_cast<std::size_t>(cloud.point_step) * cloud.width);
+  cloud.resize(mesh.vertices.size());
   std::uint8_t* at = cloud.data.data();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (const double x : mesh.vertices[v]) {
@@ -103,24 +94,6 @@ PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns) {
     file.face_begin.push_back(static_cast<std::uint32_t>(file.face_vertices.size()));
   }
   return file;
-}
-
-}  // namespace
-
-pcl::PolygonMesh toPolygonMesh(const TriangleMesh& mesh, bool curvature) {
-  pcl::PolygonMesh made;
-  made.cloud = toPointFile(mesh, {true, curvature}).cloud;
-  made.cloud.is_dense = 1;
-  made.polygons = polygonsOf(mesh);
-  return made;
-}
-
-std::vector<pcl::Vertices> polygonsOf(const TriangleMesh& mesh) {
-  std::vector<pcl::Vertices> polygons(mesh.triangles.size());
-  for (std::size_t t = 0; t < polygons.size(); ++t) {
-    polygons[t].vertices.assign(mesh.triangles[t].begin(), mesh.triangles[t].end());
-  }
-  return polygons;
 }
 
 namespace {

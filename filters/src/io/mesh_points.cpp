@@ -43,18 +43,14 @@ Error checkMesh(const MeshPoints& mesh, const std::string& format) {
   return {};
 }
 
-void layOut(const MeshPoints& mesh, pcl::PCLPointCloud2& cloud) {
+void layOut(const MeshPoints& mesh, PointTable& cloud) {
   for (const char* axis : {"x", "y", "z"})
     addField(cloud, axis, mesh.in_float ? kFloat32 : kFloat64);
   if (!mesh.normals.empty()) {
     for (const char* axis : {"normal_x", "normal_y", "normal_z"}) addField(cloud, axis, kFloat32);
   }
   if (!mesh.colors.empty()) addField(cloud, "rgb", kFloat32);
-  const std::size_t n = mesh.positions.size();
-  cloud.width = static_cast<pcl::uindex_t>(n);
-  cloud.height = 1;
-  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * n);
-  cloud.data.resize(cloud.point_step * n);
+  cloud.resize(mesh.positions.size());
 }
 
 void MeshPoints::endFace() {

@@ -62,8 +62,8 @@ bool parseViewpoint(const std::vector<std::string>& words, PointFile& file) {
       return false;
     }
   }
-  file.sensor_origin = Eigen::Vector4f(v[0], v[1], v[2], 0.0f);
-  file.sensor_orientation = Eigen::Quaternionf(v[3], v[4], v[5], v[6]);
+  file.sensor_origin = {v[0], v[1], v[2]};
+  file.sensor_orientation = {v[3], v[4], v[5], v[6]};
   return true;
 }
 
@@ -197,23 +197,21 @@ Error parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header,
 namespace {
 
 /** Fields and size of the cloud that a header announces; its data stay empty. */
-void describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud) {
+void describeFields(const PcdHeader& header, PointTable& cloud) {
   for (const PcdColumn& column : header.columns) {
     if (!column.isPadding()) addField(cloud, column.name, scalarType(column), column.count);
   }
-  cloud.width = static_cast<pcl::uindex_t>(header.width);
-  cloud.height = static_cast<pcl::uindex_t>(header.height);
-  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * header.width);
-  cloud.is_bigendian = 0;
+  cloud.width = static_cast<std::uint32_t>(header.width);
+  cloud.height = static_cast<std::uint32_t>(header.height);
 }
 
 /** The header of a file to write, with binary data. */
 std::string formatPcdHeader(const PointFile& file) {
-  const pcl::PCLPointCloud2& cloud = file.cloud;
+  const PointTable& cloud = file.cloud;
   std::ostringstream names, sizes, types, counts, out;
   out.imbue(std::locale::classic());
   out.precision(9);
-  for (const pcl::PCLPointField& field : cloud.fields) {
+  for (const PointField& field : cloud.fields) {
     names << ' ' << field.name;
     sizes << ' ' << scalarSize(field.datatype);
     types << ' ' << typeLetter(field.datatype);
@@ -225,8 +223,8 @@ std::string formatPcdHeader(const PointFile& file) {
   for (const std::string& comment : file.comments) out << "# " << comment << '\n';
   out << "VERSION 0.7\nFIELDS" << names.str() << "\nSIZE" << sizes.str() << "\nTYPE" << types.str()
       << "\nCOUNT" << counts.str() << "\nWIDTH " << cloud.width << "\nHEIGHT " << cloud.height
-      << "\nVIEWPOINT " << o[0] << ' ' << o[1] << ' ' << o[2] << ' ' << q.w() << ' ' << q.x() << ' '
-      << q.y() << ' ' << q.z() << "\nPOINTS " << numPoints(cloud) << "\nDATA binary\n";
+      << "\nVIEWPOINT " << o[0] << ' ' << o[1] << ' ' << o[2] << ' ' << q[0] << ' ' << q[1] << ' '
+      << q[2] << ' ' << q[3] << "\nPOINTS " << numPoints(cloud) << "\nDATA binary\n";
   return out.str();
 }
 
@@ -236,7 +234,7 @@ Error truncated(const std::string& unit, std::size_t have, std::size_t want) {
 }
 
 Error readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-                pcl::PCLPointCloud2& cloud) {
+                PointTable& cloud) {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
   std::size_t values = 0;
   for (const PcdColumn& column : header.columns) values += column.count;
@@ -265,7 +263,7 @@ Error readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& 
 
 /** Copies columns out of rows (row by row data) or out of column-major data. */
 void copyColumns(const PcdHeader& header, const std::uint8_t* source, bool column_major,
-                 pcl::PCLPointCloud2& cloud) {
+                 PointTable& cloud) {
   const std::size_t file_step = header.step();
   std::size_t file_offset = 0, offset = 0;
   for (const PcdColumn& column : header.columns) {
@@ -282,7 +280,7 @@ void copyColumns(const PcdHeader& header, const std::uint8_t* source, bool colum
 }
 
 Error readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-                 pcl::PCLPointCloud2& cloud) {
+                 PointTable& cloud) {
   const std::size_t step = header.step();
   if (step != 0 && header.points > size / step)
     return truncated("points", size / step, header.points);
@@ -296,7 +294,7 @@ Error readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader&
 }
 
 Error readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
-                     pcl::PCLPointCloud2& cloud) {
+                     PointTable& cloud) {
   const std::size_t step = header.step();
   std::uint32_t compressed = 0, plain = 0;
   if (header.points == 0) return {};
@@ -342,7 +340,7 @@ Result<PointFile> parsePcd(const std::vector<unsigned char>& bytes) {
 }
 
 std::vector<unsigned char> formatPcd(const PointFile& file) {
-  const pcl::PCLPointCloud2& cloud = file.cloud;
+  const PointTable& cloud = file.cloud;
   const std::string header = formatPcdHeader(file);
   std::vector<unsigned char> bytes(header.begin(), header.end());
   std::size_t step = 0;

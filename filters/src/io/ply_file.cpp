@@ -30,41 +30,35 @@ constexpr Rename kRenames[] = {{"nx", "normal_x"},         {"ny", "normal_y"},
 constexpr std::size_t kNumNormalRenames = 3;
 
 /** Index of a byte-valued field, or -1. */
-int findByte(const pcl::PCLPointCloud2& cloud, const char* name) {
+int findByte(const PointTable& cloud, const char* name) {
   const int i = findField(cloud, name);
   return i >= 0 && cloud.fields[static_cast<std::size_t>(i)].datatype == kUInt8 ? i : -1;
 }
 
 /** Fields of a cloud whose colour bytes, listed in channel, become one field in the place of red.
  */
-pcl::PCLPointCloud2 packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
-                                 std::vector<std::size_t>& sources) {
-  pcl::PCLPointCloud2 packed;
-  packed.width = cloud.width;
-  packed.height = cloud.height;
-  std::size_t step = 0;
+PointTable packedLayout(const PointTable& cloud, const int (&channel)[4],
+                        std::vector<std::size_t>& sources) {
+  PointTable packed;
   for (int i = 0; i < static_cast<int>(cloud.fields.size()); ++i) {
     if (i != channel[0] && std::find(channel, channel + 4, i) != channel + 4) continue;
-    pcl::PCLPointField field = cloud.fields[static_cast<std::size_t>(i)];
+    const PointField& field = cloud.fields[static_cast<std::size_t>(i)];
     sources.push_back(field.offset);
-    field.offset = static_cast<pcl::uindex_t>(step);
-    if (i == channel[0]) {
-      field.name = channel[3] >= 0 ? "rgba" : "rgb";
-      field.datatype = channel[3] >= 0 ? kUInt32 : kFloat32;
-    }
-    packed.fields.push_back(field);
-    step += scalarSize(field.datatype);
+    if (i != channel[0])
+      addField(packed, field.name, field.datatype);
+    else if (channel[3] >= 0)
+      addField(packed, "rgba", kUInt32);
+    else
+      addField(packed, "rgb", kFloat32);
   }
-  packed.point_step = static_cast<pcl::uindex_t>(step);
-  packed.row_step = static_cast<pcl::uindex_t>(step * cloud.width);
-  packed.data.resize(step * numPoints(cloud));
+  packed.resize(numPoints(cloud));
   return packed;
 }
 
 /** Replaces the colour bytes by one field of PCL's: blue, green, red, alpha in memory. */
-void packColour(pcl::PCLPointCloud2& cloud, const int (&channel)[4]) {
+void packColour(PointTable& cloud, const int (&channel)[4]) {
   std::vector<std::size_t> sources;
-  pcl::PCLPointCloud2 packed = packedLayout(cloud, channel, sources);
+  PointTable packed = packedLayout(cloud, channel, sources);
   std::size_t from_channel[4] = {};
   for (int k = 0; k < 4; ++k) {
     if (channel[k] >= 0)
@@ -181,8 +175,8 @@ Error checkElements(const std::vector<PlyElement>& elements) {
 
 }  // namespace
 
-void adoptPclFields(pcl::PCLPointCloud2& cloud) {
-  for (pcl::PCLPointField& field : cloud.fields) {
+void adoptPclFields(PointTable& cloud) {
+  for (PointField& field : cloud.fields) {
     for (const Rename& rename : kRenames) {
       if (field.name == rename.ply && findField(cloud, rename.pcl) < 0) field.name = rename.pcl;
     }
@@ -224,8 +218,8 @@ struct PlyColumn {
 };
 
 /** PLY's columns for a cloud's fields: the inverse of adoptPclFields. */
-Error plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns) {
-  for (const pcl::PCLPointField& field : cloud.fields) {
+Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns) {
+  for (const PointField& field : cloud.fields) {
     if ((field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4) {
       // In memory PCL's colour is blue, green, red, alpha.
       columns.push_back({"red", kUInt8, field.offset + 2u});
@@ -339,7 +333,7 @@ bool skipProperty(BodyReader& in, const PlyProperty& property) {
   return true;
 }
 
-Error readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud2& cloud) {
+Error readVertices(BodyReader& in, const PlyElement& element, PointTable& cloud) {
   std::size_t smallest = 0;
   for (const PlyProperty& property : element.properties) {
     smallest += scalarSize(property.list_type != 0 ? property.list_type : property.type);
@@ -351,11 +345,7 @@ Error readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud
   if (smallest != 0 && element.count > in.mostValues(smallest)) {
     return in.failure("vertex", in.mostValues(smallest), element.count);
   }
-  cloud.width = static_cast<pcl::uindex_t>(element.count);
-  cloud.height = 1;
-  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * element.count);
-  cloud.is_bigendian = 0;
-  cloud.data.resize(cloud.point_step * element.count);
+  cloud.resize(element.count);
   std::uint8_t* at = cloud.data.data();
   for (std::size_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl/PCLPointCloud2.h>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/io/point_table.h"
 
 namespace pcl_slim {
 
@@ -34,6 +34,6 @@ struct PlyHeader {
 Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header);
 
 /** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
-void adoptPclFields(pcl::PCLPointCloud2& cloud);
+void adoptPclFields(PointTable& cloud);
 
 }  // namespace pcl_slim

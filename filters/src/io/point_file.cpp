@@ -76,17 +76,6 @@ std::string formatScalar(double value) {
   return text;
 }
 
-void addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
-              std::size_t count) {
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = type;
-  field.count = static_cast<pcl::uindex_t>(count);
-  cloud.fields.push_back(field);
-  cloud.point_step += static_cast<pcl::uindex_t>(scalarSize(type) * count);
-}
-
 void swapBytes(std::uint8_t* at, std::size_t size) {
   std::reverse(at, at + size);
 }
@@ -206,20 +195,14 @@ Error savePointFile(const std::string& path, const PointFile& file) {
           "cannot tell the format of '" + path + "'; name a .pcd, .ply, .las or .vtp file"};
 }
 
-int findField(const pcl::PCLPointCloud2& cloud, const std::string& name) {
-  for (std::size_t i = 0; i < cloud.fields.size(); ++i) {
-    if (cloud.fields[i].name == name) return static_cast<int>(i);
-  }
-  return -1;
-}
-
-double fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point,
-                  const pcl::PCLPointField& field) {
-  return readScalar(cloud.data.data() + point * cloud.point_step + field.offset, field.datatype);
-}
-
-std::size_t numPoints(const pcl::PCLPointCloud2& cloud) {
-  return static_cast<std::size_t>(cloud.width) * cloud.height;
+bool PointFile::hasSensorPose() const {
+  constexpr float kSame = 1e-5f;
+  const PointFile unknown;
+  const auto same = [](float a, float b) { return std::abs(a - b) <= kSame; };
+  return !std::equal(sensor_origin.begin(), sensor_origin.end(), unknown.sensor_origin.begin(),
+                     same) ||
+         !std::equal(sensor_orientation.begin(), sensor_orientation.end(),
+                     unknown.sensor_orientation.begin(), same);
 }
 
 }  // namespace pcl_slim

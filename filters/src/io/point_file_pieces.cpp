@@ -2,6 +2,7 @@
 #include "pcl_slim/filters/io/point_file_pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "io/ply_file.h"
 #include "io/point_formats.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/io/record_layout.h"
 
 namespace pcl_slim {
@@ -76,9 +78,9 @@ Error pcdLayout(const std::vector<unsigned char>& head, bool use_normals, Record
     columns.push_back({column.name, {layout.step, static_cast<ScalarType>(scalarType(column))}});
     layout.step += layout.text ? column.count : column.bytes();
   }
-  const Eigen::Vector4f& at = file.sensor_origin;
-  const bool known = header.height > 1 || at.head<3>() != Eigen::Vector3f::Zero();
-  if (known && at.head<3>().allFinite()) layout.sensor = {at[0], at[1], at[2]};
+  const std::array<float, 3>& at = file.sensor_origin;
+  const bool known = header.height > 1 || at != std::array<float, 3>{};
+  if (known && isFinite(at)) layout.sensor = {at[0], at[1], at[2]};
   return setFields(columns, {"normal_x", "normal_y", "normal_z"}, use_normals, layout);
 }
 

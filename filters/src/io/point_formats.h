@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl/PCLPointCloud2.h>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -17,10 +16,6 @@ bool parseScalar(const char* begin, const char* end, std::uint8_t type, std::uin
 
 /** Text that gives every double back: 17 digits, whatever the locale. */
 std::string formatScalar(double value);
-
-/** Appends a field behind those a cloud has; its points grow by the field's bytes. */
-void addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
-              std::size_t count = 1);
 
 /** Turns the bytes of one value round. */
 void swapBytes(std::uint8_t* at, std::size_t size);

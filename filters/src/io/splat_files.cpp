@@ -13,9 +13,15 @@
 
 #include "io/point_formats.h"
 #include "pcl_slim/cloud/store_frame.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
 
 namespace pcl_slim {
+
+namespace {
+
+constexpr const char* kGradient[9] = {"red_x",   "red_y",  "red_z",  "green_x", "green_y",
+                                      "green_z", "blue_x", "blue_y", "blue_z"};
+
+}  // namespace
 
 std::array<double, 3> splatShift(const SplatSet& splats) {
   if (splats.empty()) return {};
@@ -29,32 +35,9 @@ std::array<double, 3> splatShift(const SplatSet& splats) {
   return fileShift(low, high);
 }
 
-void toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
-           pcl::PointCloud<pcl::PointSurfel>& cloud) {
-  cloud.resize(splats.size());
-  cloud.width = static_cast<std::uint32_t>(splats.size());
-  cloud.height = 1;
-  cloud.is_dense = true;
-  std::array<double, 3> offset;
-  for (std::size_t a = 0; a < 3; ++a) offset[a] = splats.origin[a] - shift[a];
-  for (std::size_t i = 0; i < splats.size(); ++i) {
-    pcl::PointSurfel& p = cloud[i];
-    p.x = static_cast<float>(offset[0] + splats.x[i]);
-    p.y = static_cast<float>(offset[1] + splats.y[i]);
-    p.z = static_cast<float>(offset[2] + splats.z[i]);
-    p.normal_x = splats.nx[i];
-    p.normal_y = splats.ny[i];
-    p.normal_z = splats.nz[i];
-    p.rgba = 0xff000000u | splats.rgb[i];
-    p.radius = splats.radius[i];
-    p.confidence = splats.confidence[i];
-    p.curvature = splats.normal_variance[i];
-  }
-}
-
 PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   for (const char* name : {"x", "y", "z", "normal_x", "normal_y", "normal_z"}) {
     addField(cloud, name, kFloat32);
   }
@@ -62,29 +45,27 @@ PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift
   for (const char* name : {"radius", "confidence", "curvature"}) {
     addField(cloud, name, kFloat32);
   }
-  if (!splats.gradient.empty()) {
-    for (const char* channel : {"red", "green", "blue"}) {
-      for (const char* axis : {"_x", "_y", "_z"}) {
-        addField(cloud, std::string(channel) + axis, kFloat32);
-      }
-    }
+  for (const char* name : kGradient) {
+    if (!splats.gradient.empty()) addField(cloud, name, kFloat32);
   }
-  cloud.width = static_cast<std::uint32_t>(splats.size());
-  cloud.height = 1;
-  cloud.is_dense = 1;
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(std::size_t{cloud.point_step} * splats.size());
-  pcl::PointCloud<pcl::PointSurfel> surfels;
-  toPCL(splats, shift, surfels);
+  cloud.resize(splats.size());
+  std::array<double, 3> offset;
+  for (std::size_t a = 0; a < 3; ++a) offset[a] = splats.origin[a] - shift[a];
+  std::uint8_t* at = cloud.data.data();
+  const auto put = [&at](const auto& values) {
+    std::memcpy(at, &values, sizeof(values));
+    at += sizeof(values);
+  };
   for (std::size_t i = 0; i < splats.size(); ++i) {
-    const pcl::PointSurfel& p = surfels[i];
-    const float before[6] = {p.x, p.y, p.z, p.normal_x, p.normal_y, p.normal_z};
-    const float after[3] = {p.radius, p.confidence, p.curvature};
-    unsigned char* at = cloud.data.data() + i * cloud.point_step;
-    std::memcpy(at, before, sizeof(before));
-    std::memcpy(at + 24, &p.rgba, 4);
-    std::memcpy(at + 28, after, sizeof(after));
-    if (!splats.gradient.empty()) std::memcpy(at + 40, splats.gradient[i].data(), 36);
+    put(static_cast<float>(offset[0] + splats.x[i]));
+    put(static_cast<float>(offset[1] + splats.y[i]));
+    put(static_cast<float>(offset[2] + splats.z[i]));
+    for (const float value : {splats.nx[i], splats.ny[i], splats.nz[i]}) put(value);
+    put(0xff000000u | splats.rgb[i]);
+    for (const float value : {splats.radius[i], splats.confidence[i], splats.normal_variance[i]}) {
+      put(value);
+    }
+    if (!splats.gradient.empty()) put(splats.gradient[i]);
   }
   file.comments = {"pcl_slim version 1", "pcl_slim kind splats",
                    "pcl_slim shift " + formatScalar(shift[0]) + " " + formatScalar(shift[1]) + " " +
@@ -94,15 +75,13 @@ PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift
 
 namespace {
 
-using Field = const pcl::PCLPointField*;
+using Field = const PointField*;
 
 constexpr const char* kNeeded[] = {"x", "y", "z", "normal_x", "normal_y", "normal_z", "radius"};
 constexpr std::size_t kNumNeeded = std::size(kNeeded);
-constexpr const char* kGradient[9] = {"red_x",   "red_y",  "red_z",  "green_x", "green_y",
-                                      "green_z", "blue_x", "blue_y", "blue_z"};
 constexpr std::uint32_t kWhite = 0xffffffu;
 
-Field fieldOf(const pcl::PCLPointCloud2& cloud, const char* name) {
+Field fieldOf(const PointTable& cloud, const char* name) {
   const int i = findField(cloud, name);
   return i < 0 ? nullptr : &cloud.fields[static_cast<std::size_t>(i)];
 }
@@ -114,7 +93,7 @@ struct Columns {
   std::array<Field, 9> gradient{};
   bool has_gradient = true;
 
-  explicit Columns(const pcl::PCLPointCloud2& cloud)
+  explicit Columns(const PointTable& cloud)
       : confidence(fieldOf(cloud, "confidence")), normal_variance(fieldOf(cloud, "curvature")) {
     for (std::size_t k = 0; k < kNumNeeded; ++k) needed[k] = fieldOf(cloud, kNeeded[k]);
     for (std::size_t k = 0; k < 9; ++k) {
@@ -123,9 +102,8 @@ struct Columns {
     }
     for (const char* name : {"rgba", "rgb"}) {
       const Field field = fieldOf(cloud, name);
-      const bool packed = field && (field->datatype == pcl::PCLPointField::FLOAT32 ||
-                                    field->datatype == pcl::PCLPointField::UINT32 ||
-                                    field->datatype == pcl::PCLPointField::INT32);
+      const bool packed = field && (field->datatype == kFloat32 || field->datatype == kUInt32 ||
+                                    field->datatype == kInt32);
       if (packed && !rgb) rgb = field;
     }
   }
@@ -196,7 +174,7 @@ class Reader {
   /** Coordinates of type double may need a nearer zero than the file's; floats stay as they are. */
   void takeBase(const std::array<double, kNumNeeded>& v) {
     for (std::size_t a = 0; a < 3; ++a) {
-      if (columns_.needed[a]->datatype == pcl::PCLPointField::FLOAT32 || base_[a] != 0.0) continue;
+      if (columns_.needed[a]->datatype == kFloat32 || base_[a] != 0.0) continue;
       base_[a] = v[a];
       splats_.origin[a] += base_[a];
     }
@@ -221,7 +199,7 @@ class Reader {
     return true;
   }
 
-  const pcl::PCLPointCloud2& cloud_;
+  const PointTable& cloud_;
   Columns columns_;
   SplatSet splats_;
   std::array<double, 3> base_{};

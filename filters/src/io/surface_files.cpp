@@ -13,7 +13,6 @@
 #include "io/trim_fields.h"
 #include "io/vtp/vtp.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {
@@ -282,7 +281,7 @@ Result<std::vector<std::string>> vtpPieces(const std::string& path) {
 /** A surface's surfels as points, and all further data as comments. */
 PointFile pointsOf(const SLIMSurface& surface) {
   PointFile file;
-  file.comments = toComments(toPCL(surface, file.cloud));
+  file.comments = toComments(toPointTable(surface, file.cloud));
   addTrimComments(surface, file.comments);
   return file;
 }
@@ -339,7 +338,7 @@ Result<SLIMSurface> surfaceFrom(const PointFile& file) {
   SurfaceMetadata metadata;
   bool found = false;
   if (Error error = fromComments(file.comments, metadata, found)) return error;
-  Result<SLIMSurface> surface = fromPCL(file.cloud, found ? &metadata : nullptr);
+  Result<SLIMSurface> surface = surfaceFrom(file.cloud, found ? &metadata : nullptr);
   if (surface) takeTrimComments(file.comments, *surface);
   return surface;
 }

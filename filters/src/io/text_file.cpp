@@ -466,13 +466,10 @@ Result<PointFile> parseText(const std::vector<unsigned char>& bytes, bool pts) {
       addField(file.cloud, (*names)[k], types[k]);
   }
   file.columns += table->named ? ", as the file names them" : ", guessed from the numbers";
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   const std::size_t n = table->rows();
   if (n > 0xfffffffeu) return badInput("the file has more than 2^32 - 2 points; split it");
-  cloud.width = static_cast<pcl::uindex_t>(n);
-  cloud.height = 1;
-  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * n);
-  cloud.data.resize(cloud.point_step * n);
+  cloud.resize(n);
   std::uint8_t* at = cloud.data.data();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < types.size(); ++k) {

@@ -100,11 +100,10 @@ Result<Trajectory> trajectoryOf(const TextTable& table) {
 }
 
 /** The field with the points' times. */
-Result<const pcl::PCLPointField*> timeField(const pcl::PCLPointCloud2& cloud,
-                                            const std::string& asked) {
-  const pcl::PCLPointField* found = nullptr;
+Result<const PointField*> timeField(const PointTable& cloud, const std::string& asked) {
+  const PointField* found = nullptr;
   std::string names;
-  for (const pcl::PCLPointField& field : cloud.fields) {
+  for (const PointField& field : cloud.fields) {
     names += (names.empty() ? "" : " ") + field.name;
     if (!asked.empty() ? field.name != asked : !isTimeName(field.name)) continue;
     if (found != nullptr) {
@@ -120,9 +119,8 @@ Result<const pcl::PCLPointField*> timeField(const pcl::PCLPointCloud2& cloud,
 }
 
 /** Checks that floats of this magnitude separate the trajectory's positions. */
-Error checkResolution(const pcl::PCLPointField& field, double largest,
-                      const Trajectory& trajectory) {
-  if (field.datatype != pcl::PCLPointField::FLOAT32) return {};
+Error checkResolution(const PointField& field, double largest, const Trajectory& trajectory) {
+  if (field.datatype != kFloat32) return {};
   std::vector<double> steps;
   for (std::size_t k = 1; k < trajectory.time.size(); ++k)
     steps.push_back(trajectory.time[k] - trajectory.time[k - 1]);
@@ -161,10 +159,10 @@ Result<Trajectory> loadTrajectory(const std::string& path) {
 
 Result<std::vector<double>> sensorPlaces(const Trajectory& trajectory, const PointFile& file,
                                          const std::string& time_field, double offset) {
-  const pcl::PCLPointCloud2& cloud = file.cloud;
+  const PointTable& cloud = file.cloud;
   const auto field = timeField(cloud, time_field);
   if (!field) return field.error();
-  const pcl::PCLPointField* axes[3];
+  const PointField* axes[3];
   const char* const names[3] = {"x", "y", "z"};
   for (std::size_t a = 0; a < 3; ++a) {
     const int at = findField(cloud, names[a]);

@@ -28,22 +28,17 @@ std::vector<unsigned char> saved(const TemporaryFolder& folder, const PointFile&
 
 /** Adds a field of floats, as programs do. */
 void addFloats(PointFile& file, const std::string& name, float step) {
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   const std::size_t n = numPoints(cloud), old_step = cloud.point_step, new_step = old_step + 8;
+  addField(cloud, name, kFloat32);
   std::vector<std::uint8_t> data(n * new_step);
   for (std::size_t i = 0; i < n; ++i) {
     const float number = step * static_cast<float>(i);
     std::memcpy(&data[i * new_step], &cloud.data[i * old_step], old_step);
     std::memcpy(&data[i * new_step + old_step], &number, 4);
   }
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = static_cast<pcl::uindex_t>(old_step);
-  field.datatype = pcl::PCLPointField::FLOAT32;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step = static_cast<pcl::uindex_t>(new_step);
-  cloud.data.assign(data.begin(), data.end());
+  cloud.point_step = static_cast<std::uint32_t>(new_step);
+  cloud.data = std::move(data);
 }
 
 TEST(LasFile, EveryFormatComesBackBitByBit) {

@@ -72,7 +72,7 @@ TEST(MeshFiles, LargeCoordinatesStayExactWhereTheFormatCan) {
   ASSERT_FALSE(saveMesh(path, mesh));
   const auto file = loadPointFile(path);
   ASSERT_TRUE(file);
-  EXPECT_EQ(file->cloud.fields[0].datatype, pcl::PCLPointField::FLOAT64);
+  EXPECT_EQ(file->cloud.fields[0].datatype, kFloat64);
   EXPECT_EQ(fieldValue(file->cloud, 1, file->cloud.fields[0]), 4918341.125);
   ASSERT_FALSE(saveMesh((folder / "mesh.obj"), mesh));
   EXPECT_NE(bytesOf((folder / "mesh.obj")).find("v 4918341.125 0 0"), std::string::npos);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "support/sphere_surface.h"
 

@@ -68,10 +68,10 @@ TEST(TextFile, ColumnsAreNamedByTheFile) {
 TEST(TextFile, FloatsWhereTheyHoldEveryDigit) {
   const auto near = load("a.xyz", "0.123456 1 -2.5\n1e-3 7 3\n");
   ASSERT_TRUE(near);
-  EXPECT_EQ(typeOf(*near, "x"), pcl::PCLPointField::FLOAT32);
+  EXPECT_EQ(typeOf(*near, "x"), kFloat32);
   const auto far = load("a.xyz", "4918360.257 1 -2.5\n1 7 3\n");
   ASSERT_TRUE(far);
-  EXPECT_EQ(typeOf(*far, "y"), pcl::PCLPointField::FLOAT64);
+  EXPECT_EQ(typeOf(*far, "y"), kFloat64);
   EXPECT_EQ(value(*far, "x", 0), 4918360.257);
   const auto fine = load("a.txt", "0.12345678901 1 2 16777217\n");
   ASSERT_TRUE(fine);
@@ -87,7 +87,7 @@ TEST(TextFile, ColoursArePacked) {
   EXPECT_EQ(bytes->cloud.data[rgb.offset], 255);
   const auto wide = load("a.csv", "x,y,z,red,green,blue\n1,2,3,65535,0,300\n");
   ASSERT_TRUE(wide);
-  EXPECT_EQ(typeOf(*wide, "red"), pcl::PCLPointField::UINT16);
+  EXPECT_EQ(typeOf(*wide, "red"), kUInt16);
   EXPECT_EQ(value(*wide, "red", 0), 65535);
 }
 

@@ -35,21 +35,10 @@ class TrajectoryTest : public ::testing::Test {
 template <typename Time>
 PointFile timedPoints(const std::vector<Time>& times, const std::string& name, std::uint8_t type) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
-  const auto field = [&](const std::string& label, std::uint8_t kind, std::size_t size) {
-    pcl::PCLPointField made;
-    made.name = label;
-    made.offset = cloud.point_step;
-    made.datatype = kind;
-    made.count = 1;
-    cloud.fields.push_back(made);
-    cloud.point_step += static_cast<pcl::uindex_t>(size);
-  };
-  for (const char* axis : {"x", "y", "z"}) field(axis, pcl::PCLPointField::FLOAT32, 4);
-  field(name, type, sizeof(Time));
-  cloud.width = static_cast<pcl::uindex_t>(times.size());
-  cloud.height = 1;
-  cloud.data.resize(cloud.point_step * times.size());
+  PointTable& cloud = file.cloud;
+  for (const char* axis : {"x", "y", "z"}) addField(cloud, axis, kFloat32);
+  addField(cloud, name, type);
+  cloud.resize(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
     const float x = static_cast<float>(i);
     std::memcpy(&cloud.data[i * cloud.point_step], &x, 4);
@@ -57,8 +46,6 @@ PointFile timedPoints(const std::vector<Time>& times, const std::string& name, s
   }
   return file;
 }
-
-constexpr std::uint8_t kDouble = pcl::PCLPointField::FLOAT64;
 
 TEST_F(TrajectoryTest, ReadsTumAndCsv) {
   const char* const texts[] = {
@@ -93,7 +80,7 @@ TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces) {
   const auto path = read("1e9 0 0 0\n1000000002 2 4 500000.25\n1000000003 2 4 500001.25\n");
   ASSERT_TRUE(path);
   PointFile file =
-      timedPoints<double>({1e9, 1e9 + 0.5, 1e9 + 2, 1e9 + 3, 1e9 + 1}, "gps_time", kDouble);
+      timedPoints<double>({1e9, 1e9 + 0.5, 1e9 + 2, 1e9 + 3, 1e9 + 1}, "gps_time", kFloat64);
   const float nan = std::nanf("");
   std::memcpy(&file.cloud.data[4 * file.cloud.point_step + 4], &nan, 4);
   const auto places = sensorPlaces(*path, file);
@@ -103,7 +90,7 @@ TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces) {
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_EQ((*places)[k], expected[k]) << k;
   EXPECT_TRUE(std::isnan((*places)[12])) << "a point that is nowhere";
   // The same by a field of another name, whole numbers, and an offset.
-  PointFile ticks = timedPoints<std::int32_t>({0, 2}, "ticks", pcl::PCLPointField::INT32);
+  PointFile ticks = timedPoints<std::int32_t>({0, 2}, "ticks", kInt32);
   EXPECT_FALSE(sensorPlaces(*path, ticks));
   const auto moved = sensorPlaces(*path, ticks, "ticks", 1e9);
   ASSERT_TRUE(moved) << moved.error().message;
@@ -118,17 +105,17 @@ TEST_F(TrajectoryTest, NamesWhatIsWrongWithTheTimes) {
     ASSERT_FALSE(places);
     EXPECT_NE(places.error().message.find(why), std::string::npos) << places.error().message;
   };
-  refused(timedPoints<double>({10, 10.3, 9}, "time", kDouble), "", "2 of 3 points");
-  refused(timedPoints<double>({10, 10.3, 9}, "time", kDouble), "", "from 9 to 10.3");
-  refused(timedPoints<double>({10, std::nan("")}, "time", kDouble), "", "1 of 2 points");
-  refused(timedPoints<double>({10}, "when", kDouble), "", "-time_field");
-  refused(timedPoints<double>({10}, "when", kDouble), "stamp", "no field 'stamp'");
-  PointFile two = timedPoints<double>({10}, "time", kDouble);
+  refused(timedPoints<double>({10, 10.3, 9}, "time", kFloat64), "", "2 of 3 points");
+  refused(timedPoints<double>({10, 10.3, 9}, "time", kFloat64), "", "from 9 to 10.3");
+  refused(timedPoints<double>({10, std::nan("")}, "time", kFloat64), "", "1 of 2 points");
+  refused(timedPoints<double>({10}, "when", kFloat64), "", "-time_field");
+  refused(timedPoints<double>({10}, "when", kFloat64), "stamp", "no field 'stamp'");
+  PointFile two = timedPoints<double>({10}, "time", kFloat64);
   two.cloud.fields[2].name = "t";
   refused(two, "", "fields t and time");
   const auto far = read("1e9 0 0 0\n1000000000.1 1 0 0\n1000000000.2 2 0 0\n");
   ASSERT_TRUE(far);
-  const PointFile coarse = timedPoints<float>({1e9f}, "time", pcl::PCLPointField::FLOAT32);
+  const PointFile coarse = timedPoints<float>({1e9f}, "time", kFloat32);
   const auto places = sensorPlaces(*far, coarse);
   ASSERT_FALSE(places);
   EXPECT_NE(places.error().message.find("32-bit floats, 64 apart"), std::string::npos)

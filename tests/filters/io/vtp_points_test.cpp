@@ -18,7 +18,7 @@
 #include <string>
 
 #include "pcl_slim/filters/io/point_file.h"
-#include "pcl_slim/filters/io/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_files.h"
 #include "support/temporary_folder.h"
 
 namespace pcl_slim {
@@ -28,59 +28,38 @@ using pcl_slim_test::fileBytes;
 using pcl_slim_test::TemporaryFolder;
 using pcl_slim_test::writeBytes;
 
-using Field = pcl::PCLPointField;
-constexpr std::uint8_t kInt64 = 9, kUInt64 = 10;
-
 struct Column {
   const char* name;
   std::uint8_t type;
-  std::uint32_t count, size;
+  std::uint32_t count;
 };
 
 /** Points of random bytes, with a gap before each field. */
 PointFile randomPoints(const std::vector<Column>& columns, std::uint32_t n) {
   PointFile file;
-  pcl::PCLPointCloud2& cloud = file.cloud;
+  PointTable& cloud = file.cloud;
   for (const Column& column : columns) {
-    Field field;
-    field.name = column.name;
-    field.datatype = column.type;
-    field.count = column.count;
-    field.offset = cloud.point_step += 3;
-    cloud.fields.push_back(field);
-    cloud.point_step += column.size * column.count;
+    cloud.point_step += 3;
+    addField(cloud, column.name, column.type, column.count);
   }
-  cloud.width = n;
-  cloud.height = 1;
-  cloud.row_step = cloud.point_step * n;
-  cloud.data.resize(std::size_t{cloud.row_step});
+  cloud.resize(n);
   std::mt19937 random(5);
   for (auto& byte : cloud.data) byte = static_cast<std::uint8_t>(random());
   return file;
 }
 
-const std::vector<Column> kAllTypes = {{"label", Field::UINT32, 1, 4},
-                                       {"x", Field::FLOAT64, 1, 8},
-                                       {"y", Field::FLOAT64, 1, 8},
-                                       {"z", Field::FLOAT64, 1, 8},
-                                       {"i8", Field::INT8, 1, 1},
-                                       {"u8", Field::UINT8, 1, 1},
-                                       {"i16", Field::INT16, 1, 2},
-                                       {"u16", Field::UINT16, 1, 2},
-                                       {"i32", Field::INT32, 1, 4},
-                                       {"i64", kInt64, 1, 8},
-                                       {"u64", kUInt64, 1, 8},
-                                       {"normal_x", Field::FLOAT32, 1, 4},
-                                       {"normal_y", Field::FLOAT32, 1, 4},
-                                       {"normal_z", Field::FLOAT32, 1, 4},
-                                       {"rgba", Field::UINT32, 1, 4},
-                                       {"fpfh", Field::FLOAT32, 33, 4}};
+const std::vector<Column> kAllTypes = {
+    {"label", kUInt32, 1},     {"x", kFloat64, 1},        {"y", kFloat64, 1},
+    {"z", kFloat64, 1},        {"i8", kInt8, 1},          {"u8", kUInt8, 1},
+    {"i16", kInt16, 1},        {"u16", kUInt16, 1},       {"i32", kInt32, 1},
+    {"i64", kInt64, 1},        {"u64", kUInt64, 1},       {"normal_x", kFloat32, 1},
+    {"normal_y", kFloat32, 1}, {"normal_z", kFloat32, 1}, {"rgba", kUInt32, 1},
+    {"fpfh", kFloat32, 33}};
 
-std::vector<std::uint8_t> bytesOf(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+std::vector<std::uint8_t> bytesOf(const PointTable& cloud, const std::string& name) {
   std::vector<std::uint8_t> bytes;
-  const Field& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
-  static constexpr std::size_t kSize[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
-  const std::size_t size = kSize[field.datatype] * field.count;
+  const PointField& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
+  const std::size_t size = scalarSize(field.datatype) * field.count;
   for (std::size_t i = 0; i < numPoints(cloud); ++i) {
     const auto* at = cloud.data.data() + i * cloud.point_step + field.offset;
     bytes.insert(bytes.end(), at, at + size);
@@ -95,8 +74,8 @@ std::vector<std::uint8_t> bytesOf(vtkDataArray* array) {
 }
 
 /** The bytes of three fields next to each other. */
-std::vector<std::uint8_t> tripleBytes(const pcl::PCLPointCloud2& cloud,
-                                      const char* const (&names)[3], std::size_t size) {
+std::vector<std::uint8_t> tripleBytes(const PointTable& cloud, const char* const (&names)[3],
+                                      std::size_t size) {
   std::vector<std::uint8_t> bytes, part[3];
   for (int k = 0; k < 3; ++k) part[k] = bytesOf(cloud, names[k]);
   for (std::size_t i = 0; i < numPoints(cloud); ++i) {
@@ -118,7 +97,7 @@ TEST(VtpPoints, VtkReadsEveryValue) {
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
   const auto data = readByVtk(folder / "a.vtp");
   ASSERT_EQ(data->GetNumberOfPoints(), 300);
-  const pcl::PCLPointCloud2& cloud = file.cloud;
+  const PointTable& cloud = file.cloud;
   EXPECT_EQ(bytesOf(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 8));
   vtkPointData* const point = data->GetPointData();
   ASSERT_NE(point->GetNormals(), nullptr);
@@ -158,7 +137,7 @@ TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount) {
   EXPECT_EQ(read->comments, file.comments);
   EXPECT_TRUE(read->left_out.empty());
   ASSERT_EQ(read->cloud.fields.size(), file.cloud.fields.size());
-  for (const Field& field : file.cloud.fields) {
+  for (const PointField& field : file.cloud.fields) {
     const int i = findField(read->cloud, field.name);
     ASSERT_GE(i, 0) << field.name;
     EXPECT_EQ(read->cloud.fields[static_cast<std::size_t>(i)].datatype, field.datatype);
@@ -175,8 +154,7 @@ TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount) {
 
 TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell) {
   const TemporaryFolder folder;
-  PointFile file = randomPoints(
-      {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 60);
+  PointFile file = randomPoints({{"x", kFloat32, 1}, {"y", kFloat32, 1}, {"z", kFloat32, 1}}, 60);
   auto& cloud = file.cloud;
   for (std::size_t i = 0; i < 60; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -201,8 +179,7 @@ TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell) {
 
 TEST(VtpPoints, FacesArePolygons) {
   const TemporaryFolder folder;
-  PointFile file = randomPoints(
-      {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 9);
+  PointFile file = randomPoints({{"x", kFloat32, 1}, {"y", kFloat32, 1}, {"z", kFloat32, 1}}, 9);
   file.face_begin = {0, 3, 7, 10};
   file.face_vertices = {0, 1, 2, 8, 7, 6, 5, 2, 3, 4};
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
@@ -222,13 +199,13 @@ TEST(VtpPoints, FacesArePolygons) {
 
 TEST(VtpPoints, ATakenNameGrows) {
   const TemporaryFolder folder;
-  PointFile file = randomPoints({{"x", Field::INT32, 1, 4},
-                                 {"y", Field::INT32, 1, 4},
-                                 {"z", Field::FLOAT32, 1, 4},
-                                 {"rgb", Field::FLOAT32, 1, 4},
-                                 {"rgba", Field::UINT32, 1, 4},
-                                 {"alpha", Field::UINT16, 1, 2},
-                                 {"normal_x", Field::FLOAT32, 1, 4}},
+  PointFile file = randomPoints({{"x", kInt32, 1},
+                                 {"y", kInt32, 1},
+                                 {"z", kFloat32, 1},
+                                 {"rgb", kFloat32, 1},
+                                 {"rgba", kUInt32, 1},
+                                 {"alpha", kUInt16, 1},
+                                 {"normal_x", kFloat32, 1}},
                                 50);
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
   const auto data = readByVtk(folder / "a.vtp");

@@ -330,7 +330,7 @@ struct Move {
 
 /** The fields of the cloud, and how a record fills them. A point's bytes are a multiple of 8, so
  * that coordinates can be used in place. */
-std::vector<Move> layOut(const LasHeader& header, pcl::PCLPointCloud2& cloud) {
+std::vector<Move> layOut(const LasHeader& header, PointTable& cloud) {
   std::vector<Move> moves;
   for (const char* axis : {"x", "y", "z"}) addField(cloud, axis, kFloat64);
   for (const LasItem& item : lasItems(header.format)) {
@@ -344,11 +344,6 @@ std::vector<Move> layOut(const LasHeader& header, pcl::PCLPointCloud2& cloud) {
     from += extra.bytes();
   }
   cloud.point_step = (cloud.point_step + 7) / 8 * 8;
-  cloud.width = static_cast<pcl::uindex_t>(header.points);
-  cloud.height = 1;
-  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * header.points);
-  cloud.is_bigendian = 0;
-  cloud.is_dense = 1;
   return moves;
 }
 
@@ -377,7 +372,7 @@ Result<PointFile> parseLas(const std::vector<unsigned char>& bytes) {
   PointFile file;
   const std::vector<Move> moves = layOut(*header, file.cloud);
   const auto points = static_cast<std::size_t>(header->points);
-  file.cloud.data.resize(points * file.cloud.point_step);
+  file.cloud.resize(points);
   const unsigned char* record = bytes.data() + header->points_at;
   std::uint8_t* point = file.cloud.data.data();
   for (std::size_t i = 0; i < points; ++i) {

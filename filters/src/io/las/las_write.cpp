@@ -18,14 +18,14 @@ namespace {
 class LasPositions {
  public:
   /** \param[in] cloud must have x y z and outlive this object. */
-  explicit LasPositions(const pcl::PCLPointCloud2& cloud);
+  explicit LasPositions(const PointTable& cloud);
 
   double at(std::size_t point, std::size_t axis) const;
   std::size_t size() const { return size_; }
 
  private:
-  const pcl::PCLPointCloud2& cloud_;
-  std::array<const pcl::PCLPointField*, 3> fields_{};
+  const PointTable& cloud_;
+  std::array<const PointField*, 3> fields_{};
   std::size_t size_ = 0;
 };
 
@@ -74,8 +74,7 @@ bool refineUnits(LasUnits& units) {
   return true;
 }
 
-LasPositions::LasPositions(const pcl::PCLPointCloud2& cloud)
-    : cloud_(cloud), size_(numPoints(cloud)) {
+LasPositions::LasPositions(const PointTable& cloud) : cloud_(cloud), size_(numPoints(cloud)) {
   const char* const names[3] = {"x", "y", "z"};
   for (std::size_t a = 0; a < 3; ++a)
     fields_[a] = &cloud.fields[static_cast<std::size_t>(findField(cloud, names[a]))];
@@ -130,7 +129,7 @@ struct LasCopy {
 
 /** A value of the record that takes a field's number in another type. */
 struct LasConversion {
-  const pcl::PCLPointField* field = nullptr;
+  const PointField* field = nullptr;
   LasItem item;
 };
 
@@ -141,8 +140,8 @@ struct LasPlan {
   std::size_t record_bytes = 0;
   std::vector<LasCopy> copies;
   std::vector<LasConversion> conversions;
-  const pcl::PCLPointField* packed_color = nullptr;  ///< bytes that red, green and blue come from
-  bool single_returns = false;                       ///< for points without fields of returns
+  const PointField* packed_color = nullptr;  ///< bytes that red, green and blue come from
+  bool single_returns = false;               ///< for points without fields of returns
 };
 
 /** A field of the cloud, or an element of one, that becomes an extra value. */
@@ -151,18 +150,17 @@ struct ExtraSource {
   std::size_t from = 0;
 };
 
-std::size_t countOf(const pcl::PCLPointField& field) {
+std::size_t countOf(const PointField& field) {
   return std::max<std::size_t>(field.count, 1);
 }
 
-const pcl::PCLPointField* fieldNamed(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+const PointField* fieldNamed(const PointTable& cloud, const std::string& name) {
   const int i = findField(cloud, name);
   return i < 0 ? nullptr : &cloud.fields[static_cast<std::size_t>(i)];
 }
 
 /** Whether every point's number is one that the item can have. */
-bool fitsItem(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField& field,
-              const LasItem& item) {
+bool fitsItem(const PointTable& cloud, const PointField& field, const LasItem& item) {
   if (countOf(field) != 1) return false;
   if (item.type == kFloat32 || item.type == kFloat64) return item.type == kFloat64;
   const bool is_signed = item.type == kInt8 || item.type == kInt16;
@@ -182,7 +180,7 @@ class Planner {
 
   Result<LasPlan> plan() {
     for (const char* axis : {"x", "y", "z"}) {
-      const pcl::PCLPointField* field = fieldNamed(cloud_, axis);
+      const PointField* field = fieldNamed(cloud_, axis);
       if (!field) return badInput("these points have no fields x y z; LAS needs them");
       used_.push_back(field);
     }
@@ -194,9 +192,9 @@ class Planner {
   }
 
  private:
-  const pcl::PCLPointField* packedColor() const {
+  const PointField* packedColor() const {
     for (const char* name : {"rgb", "rgba"}) {
-      const pcl::PCLPointField* field = fieldNamed(cloud_, name);
+      const PointField* field = fieldNamed(cloud_, name);
       if (field && scalarSize(field->datatype) == 4 && countOf(*field) == 1) return field;
     }
     return nullptr;
@@ -212,7 +210,7 @@ class Planner {
   }
 
   void takeItem(const LasItem& item) {
-    const pcl::PCLPointField* field = fieldNamed(cloud_, item.name);
+    const PointField* field = fieldNamed(cloud_, item.name);
     if (item.name == "return_number") plan_.single_returns = !field && file_.las_head.empty();
     if (!field) return;
     if (field->datatype == item.type && countOf(*field) == 1 &&
@@ -228,7 +226,7 @@ class Planner {
 
   /** Colours of 8 bits that PCL packs into one field. */
   void takeColor() {
-    const pcl::PCLPointField* packed = packedColor();
+    const PointField* packed = packedColor();
     if (!packed || fieldNamed(cloud_, "red")) return;
     for (const LasItem& item : lasItems(plan_.header.format)) {
       if (item.name == "red") plan_.packed_color = packed;
@@ -237,7 +235,7 @@ class Planner {
   }
 
   /** The extra value that the file read has for a field, or null. */
-  const LasExtra* describedExtra(const pcl::PCLPointField& field) const {
+  const LasExtra* describedExtra(const PointField& field) const {
     for (const LasExtra& extra : plan_.header.extras) {
       if (extra.name == field.name && extra.type == field.datatype && extra.count == countOf(field))
         return &extra;
@@ -247,7 +245,7 @@ class Planner {
 
   std::vector<ExtraSource> extraSources() const {
     std::vector<ExtraSource> sources;
-    for (const pcl::PCLPointField& field : cloud_.fields) {
+    for (const PointField& field : cloud_.fields) {
       if (std::count(used_.begin(), used_.end(), &field) > 0) continue;
       if (const LasExtra* extra = describedExtra(field)) {
         sources.push_back({*extra, field.offset});
@@ -310,9 +308,9 @@ class Planner {
   }
 
   const PointFile& file_;
-  const pcl::PCLPointCloud2& cloud_;
+  const PointTable& cloud_;
   LasPlan plan_;
-  std::vector<const pcl::PCLPointField*> used_;
+  std::vector<const PointField*> used_;
 };
 
 /** Plans the file: fields of a value's name and type become that value, others extra bytes that a
@@ -337,7 +335,7 @@ void putNumber(unsigned char* at, std::uint8_t type, double value) {
 /** Writes the records. */
 class RecordWriter {
  public:
-  RecordWriter(const pcl::PCLPointCloud2& cloud, const LasPlan& plan) : cloud_(cloud), plan_(plan) {
+  RecordWriter(const PointTable& cloud, const LasPlan& plan) : cloud_(cloud), plan_(plan) {
     for (const LasItem& item : lasItems(plan.header.format)) {
       if (item.name == "red") red_at_ = item.offset;
     }
@@ -380,7 +378,7 @@ class RecordWriter {
     }
   }
 
-  const pcl::PCLPointCloud2& cloud_;
+  const PointTable& cloud_;
   const LasPlan& plan_;
   std::size_t red_at_ = 0;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl/PCLPointField.h>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -28,7 +27,7 @@ inline bool isNameOf(const char* const (&names)[3], const std::string& name) {
 }
 
 /** Whether a field packs a colour into four bytes. */
-inline bool isPackedColor(const pcl::PCLPointField& field) {
+inline bool isPackedColor(const PointField& field) {
   return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4 &&
          field.count <= 1;
 }

@@ -294,17 +294,13 @@ class FieldReader {
     }
     if (std::max(n, step) > kMost)
       return badInput("the VTP file has 2^32 - 1 points, or bytes of a point, or more; divide it");
-    pcl::PCLPointCloud2& cloud = file_.cloud;
-    cloud.width = static_cast<pcl::uindex_t>(n);
-    cloud.height = 1;
-    cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * n);
-    cloud.data.resize(n * cloud.point_step);
+    file_.cloud.resize(n);
     for (std::size_t k = 0; k < columns_.size(); ++k) scatter(columns_[k], values[k]);
     return {};
   }
 
   void scatter(const Column& column, const std::vector<std::uint8_t>& values) {
-    pcl::PCLPointCloud2& cloud = file_.cloud;
+    PointTable& cloud = file_.cloud;
     const std::size_t tuple = bytesOf(*column.array);
     const bool alpha = column.array == alpha_, color = column.array == colors_;
     const std::size_t offset = alpha ? colorOffset() + 3 : column.offset;

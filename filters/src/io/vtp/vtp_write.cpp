@@ -97,7 +97,7 @@ struct Plan {
   std::vector<std::size_t> offsets;
 };
 
-vtkSmartPointer<vtkDataArray> arrayOf(const pcl::PCLPointCloud2& cloud, const Plan& plan) {
+vtkSmartPointer<vtkDataArray> arrayOf(const PointTable& cloud, const Plan& plan) {
   auto array =
       vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtkTypeOf(plan.type)));
   array->SetName(plan.name.c_str());
@@ -116,9 +116,8 @@ vtkSmartPointer<vtkDataArray> arrayOf(const pcl::PCLPointCloud2& cloud, const Pl
 }
 
 /** Three fields of one value each; empty where one is missing or has several. */
-std::vector<const pcl::PCLPointField*> tripleOf(const pcl::PCLPointCloud2& cloud,
-                                                const char* const (&names)[3]) {
-  std::vector<const pcl::PCLPointField*> fields;
+std::vector<const PointField*> tripleOf(const PointTable& cloud, const char* const (&names)[3]) {
+  std::vector<const PointField*> fields;
   for (const char* name : names) {
     const int i = findField(cloud, name);
     if (i >= 0 && cloud.fields[static_cast<std::size_t>(i)].count <= 1)
@@ -128,17 +127,17 @@ std::vector<const pcl::PCLPointField*> tripleOf(const pcl::PCLPointCloud2& cloud
   return fields;
 }
 
-bool haveType(const std::vector<const pcl::PCLPointField*>& fields, std::uint8_t type) {
+bool haveType(const std::vector<const PointField*>& fields, std::uint8_t type) {
   return !fields.empty() && std::all_of(fields.begin(), fields.end(),
                                         [=](const auto* f) { return f->datatype == type; });
 }
 
-Plan planOf(const char* name, const std::vector<const pcl::PCLPointField*>& fields) {
+Plan planOf(const char* name, const std::vector<const PointField*>& fields) {
   return {name, fields[0]->datatype, {fields[0]->offset, fields[1]->offset, fields[2]->offset}};
 }
 
 /** Points as floats or doubles; as doubles where the fields are of another type. */
-vtkSmartPointer<vtkDataArray> coordinatesOf(const pcl::PCLPointCloud2& cloud) {
+vtkSmartPointer<vtkDataArray> coordinatesOf(const PointTable& cloud) {
   const auto fields = tripleOf(cloud, kVtpCoordinates);
   for (const std::uint8_t type : {kFloat32, kFloat64}) {
     if (haveType(fields, type)) return arrayOf(cloud, planOf("Points", fields));
@@ -155,13 +154,13 @@ vtkSmartPointer<vtkDataArray> coordinatesOf(const pcl::PCLPointCloud2& cloud) {
 /** What becomes of a cloud's fields other than its coordinates, in their order. */
 class Planner {
  public:
-  explicit Planner(const pcl::PCLPointCloud2& cloud)
+  explicit Planner(const PointTable& cloud)
       : cloud_(cloud), normals_(tripleOf(cloud, kVtpNormals)) {
     if (!haveType(normals_, kFloat32) && !haveType(normals_, kFloat64)) normals_.clear();
   }
 
   Result<std::vector<Plan>> plan() {
-    for (const pcl::PCLPointField& field : cloud_.fields) {
+    for (const PointField& field : cloud_.fields) {
       if (isNameOf(kVtpCoordinates, field.name)) continue;
       if (scalarSize(field.datatype) == 0) {
         return Error{ErrorCode::kBadArgument, "VTP has no type for the field '" + field.name +
@@ -173,7 +172,7 @@ class Planner {
   }
 
  private:
-  void addField(const pcl::PCLPointField& field) {
+  void addField(const PointField& field) {
     if (!normals_.empty() && isNameOf(kVtpNormals, field.name)) {
       if (&field == normals_[0]) add(planOf(kVtpNormalArray, normals_));
       return;
@@ -187,7 +186,7 @@ class Planner {
   }
 
   /** In memory PCL's colour is blue, green, red, alpha. */
-  void addColor(const pcl::PCLPointField& field) {
+  void addColor(const PointField& field) {
     const std::size_t at = field.offset;
     add({kVtpColorArray, kUInt8, {at + 2, at + 1, at}});
     bool alpha = field.name == "rgba";
@@ -202,8 +201,8 @@ class Planner {
     plans_.push_back(std::move(plan));
   }
 
-  const pcl::PCLPointCloud2& cloud_;
-  std::vector<const pcl::PCLPointField*> normals_;
+  const PointTable& cloud_;
+  std::vector<const PointField*> normals_;
   std::set<std::string> names_;
   std::vector<Plan> plans_;
 };
@@ -228,8 +227,7 @@ void addCells(const PointFile& file, vtkPolyData* data) {
   data->SetVerts(cells);
 }
 
-void addArrays(const pcl::PCLPointCloud2& cloud, const std::vector<Plan>& plans,
-               vtkPointData* data) {
+void addArrays(const PointTable& cloud, const std::vector<Plan>& plans, vtkPointData* data) {
   for (const Plan& plan : plans) {
     data->AddArray(arrayOf(cloud, plan));
     const bool triple = plan.offsets.size() == 3;

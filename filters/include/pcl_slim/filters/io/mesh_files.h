@@ -5,6 +5,7 @@
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
 namespace pcl_slim {
@@ -27,6 +28,16 @@ PCL_SLIM_EXPORT Error checkMeshExtension(const std::string& path);
  * edge; .stl always contains floats. O(triangles).
  */
 PCL_SLIM_EXPORT Error saveMesh(const std::string& path, const TriangleMesh& mesh);
+
+/** \brief The columns of vertices in addition to their normals. */
+struct MeshColumns {
+  bool narrow = true;     ///< x y z as float, not double
+  bool curvature = true;  ///< k1 and k2
+};
+
+/** \brief Vertices as points, with colours if there are any, and triangles as faces.
+ * O(triangles). */
+PCL_SLIM_EXPORT PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns = {});
 
 /** \brief How far .stl's floats may move a vertex that the mesh has, in lengths of a mean edge. */
 PCL_SLIM_EXPORT double floatErrorOf(const TriangleMesh& mesh);

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pcl/PCLPointCloud2.h>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/io/point_table.h"
 
 namespace pcl_slim {
 
@@ -21,9 +20,9 @@ namespace pcl_slim {
  * cannot be used. Names become PCL's (nx: normal_x; red green blue of 8 bits: rgb).
  */
 struct PCL_SLIM_EXPORT PointFile {
-  pcl::PCLPointCloud2 cloud;
-  Eigen::Vector4f sensor_origin = Eigen::Vector4f::Zero();
-  Eigen::Quaternionf sensor_orientation = Eigen::Quaternionf::Identity();
+  PointTable cloud;
+  std::array<float, 3> sensor_origin{};
+  std::array<float, 4> sensor_orientation{1, 0, 0, 0};  ///< quaternion w x y z
   std::vector<std::string> comments;      ///< text of the header's comment lines, in order
   std::vector<std::string> left_out;      ///< other content of the file, in words: "element 'edge'"
   std::vector<std::uint32_t> face_begin;  ///< faces: number of faces + 1 offsets, or empty
@@ -35,6 +34,10 @@ struct PCL_SLIM_EXPORT PointFile {
   std::vector<unsigned char> las_tail;  ///< what follows them
 
   std::size_t numFaces() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
+
+  /** \brief Whether origin or orientation differ by more than 1e-5 from 0 and no turn, which files
+   * have whose sensor is not known. */
+  bool hasSensorPose() const;
 };
 
 /** \brief Reads a point file by its extension, upper or lower case.
@@ -71,15 +74,5 @@ PCL_SLIM_EXPORT Error checkPointFileExtension(const std::string& path);
  * billionth of the extent. \return an error for another extension or when the file cannot be
  * written. */
 PCL_SLIM_EXPORT Error savePointFile(const std::string& path, const PointFile& file);
-
-/** \brief Index of a field by name in cloud.fields, or -1. */
-PCL_SLIM_EXPORT int findField(const pcl::PCLPointCloud2& cloud, const std::string& name);
-
-/** \brief Value of the first element of a field of one point, whatever its type, as double. */
-PCL_SLIM_EXPORT double fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point,
-                                  const pcl::PCLPointField& field);
-
-/** \brief Number of points: width times height. */
-PCL_SLIM_EXPORT std::size_t numPoints(const pcl::PCLPointCloud2& cloud);
 
 }  // namespace pcl_slim

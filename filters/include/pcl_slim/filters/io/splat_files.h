@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pcl_slim/core/error.h"
@@ -9,6 +10,16 @@
 #include "pcl_slim/splat/splat_set.h"
 
 namespace pcl_slim {
+
+/** \brief What to subtract from world coordinates for which float is too coarse: fileShift() of the
+ * discs' box. Give toPointFile() that of the cloud itself, where there is one: files of its surface
+ * have it, too. */
+PCL_SLIM_EXPORT std::array<double, 3> splatShift(const SplatSet& splats);
+
+/** \brief Splats as a file: the fields of pcl::PointSurfel first, then, where there are gradients,
+ * red_x red_y red_z green_x ... blue_z (0..255 per unit of length), in world coordinates less the
+ * shift. Comment lines "pcl_slim key value" contain the shift and mark the file as splats. */
+PCL_SLIM_EXPORT PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift);
 
 /** \brief Whether a file's fields are those of discs: a radius, and no polynomials (those of a
  * surface have c0). */

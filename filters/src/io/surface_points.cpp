@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/filters/io/surface_conversion.h"
-
-#include <pcl/PCLPointCloud2.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,7 +10,7 @@
 #include "io/trim_fields.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/base64.h"
-#include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/surface/surfel_color.h"
 
@@ -143,11 +140,11 @@ std::string nameOfTerm(std::size_t k, std::size_t channel) {
 }
 
 /** A field of colours packed into four bytes, or null. */
-const pcl::PCLPointField* packedField(const pcl::PCLPointCloud2& cloud) {
+const PointField* packedField(const PointTable& cloud) {
   for (const char* name : {"rgb", "rgba"}) {
     const int i = findField(cloud, name);
     if (i < 0) continue;
-    const pcl::PCLPointField& field = cloud.fields[static_cast<std::size_t>(i)];
+    const PointField& field = cloud.fields[static_cast<std::size_t>(i)];
     if (scalarSize(field.datatype) == 4) return &field;
   }
   return nullptr;
@@ -156,7 +153,7 @@ const pcl::PCLPointField* packedField(const pcl::PCLPointCloud2& cloud) {
 /** \brief Adds the fields of a coloured surface's colours to an empty cloud: rgb, packed as PCL
  * packs it, at the surfels' centres, then the other terms of surfel_color.h, red_u green_u blue_u
  * red_v ... red_uu ..., in 1/255 of white. */
-void addColorFields(pcl::PCLPointCloud2& cloud) {
+void addColorFields(PointTable& cloud) {
   addField(cloud, "rgb", kFloat32);
   for (std::size_t k = 1; k < ColorPolynomial().size(); ++k) {
     for (std::size_t c = 0; c < 3; ++c) addField(cloud, nameOfTerm(k, c), kFloat32);
@@ -177,8 +174,8 @@ std::vector<float> colorValues(const SLIMSurface& surface, std::size_t i) {
 
 /** \brief Reads the colours of a cloud of surfels into their surface; terms whose field is missing
  * are 0. A cloud without a field rgb or rgba has none. O(surfels). */
-void takeColors(const pcl::PCLPointCloud2& cloud, SLIMSurface& surface) {
-  const pcl::PCLPointField* packed = packedField(cloud);
+void takeColors(const PointTable& cloud, SLIMSurface& surface) {
+  const PointField* packed = packedField(cloud);
   if (!packed) return;
   std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
   ColorPolynomial color{};
@@ -211,6 +208,16 @@ const char* const kFieldsAfter[kFieldsAfterCoefficients] = {"degree", "level", "
 
 const char* const kTrimFields[2] = {"trim_low", "trim_high"};
 
+/** A surfel with its fields in world units. */
+struct SurfelPoint {
+  float x = 0, y = 0, z = 0;
+  float normal_x = 0, normal_y = 0, normal_z = 0;
+  float radius = 0;
+  float c[kMaxCoefficients] = {};  ///< those beyond the degree are 0
+  float degree = 1, level = 1, leaf = 1, error = 0, confidence = 0;
+  std::uint32_t trim_low = 0, trim_high = 0;
+};
+
 double toLocal(float value, int axis, const SurfaceMetadata& metadata) {
   const auto a = static_cast<std::size_t>(axis);
   return (value + (metadata.shift[a] - metadata.info.origin[a])) / metadata.info.scale;
@@ -238,12 +245,12 @@ SurfaceMetadata makeMetadata(const SLIMSurface& surface) {
   return metadata;
 }
 
-PointSLIM toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metadata) {
+SurfelPoint toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metadata) {
   const SurfaceInfo& info = surface.info;
   const auto place = [&](float local, std::size_t axis) {
     return static_cast<float>((info.origin[axis] - metadata.shift[axis]) + info.scale * local);
   };
-  PointSLIM p;
+  SurfelPoint p;
   p.x = place(surface.cx[i], 0);
   p.y = place(surface.cy[i], 1);
   p.z = place(surface.cz[i], 2);
@@ -264,7 +271,7 @@ PointSLIM toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetada
 }
 
 /** Writes one point into the surface. false: a small whole number is none. */
-bool fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i,
+bool fromPoint(const SurfelPoint& p, const SurfaceMetadata& metadata, std::size_t i,
                SLIMSurface& surface) {
   const auto isByte = [](float v) { return v >= 0.0f && v <= 255.0f && v == std::floor(v); };
   if (!isByte(p.degree) || !isByte(p.level) || !isByte(p.leaf)) return false;
@@ -288,20 +295,21 @@ bool fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t 
 
 /** Units for surfels whose file lost its metadata: a power of two near the object's diagonal, an
  * origin on that scale's grid near its middle. */
-SurfaceMetadata deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud) {
+SurfaceMetadata deriveMetadata(const std::vector<SurfelPoint>& cloud) {
   SurfaceMetadata metadata;
   metadata.info.degree = 1;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{kInfinity, kInfinity, kInfinity},
       high{-kInfinity, -kInfinity, -kInfinity};
-  for (const PointSLIM& p : cloud) {
+  for (const SurfelPoint& p : cloud) {
     if (p.degree >= 1.0f && p.degree <= kMaxDegree) {
       metadata.info.degree = std::max(metadata.info.degree, static_cast<int>(p.degree));
     }
+    const double centre[3] = {p.x, p.y, p.z};
     for (std::size_t a = 0; a < 3; ++a) {
-      if (!std::isfinite(p.data[a]) || !std::isfinite(p.radius)) continue;
-      low[a] = std::min(low[a], static_cast<double>(p.data[a]) - p.radius);
-      high[a] = std::max(high[a], static_cast<double>(p.data[a]) + p.radius);
+      if (!std::isfinite(centre[a]) || !std::isfinite(p.radius)) continue;
+      low[a] = std::min(low[a], centre[a] - p.radius);
+      high[a] = std::max(high[a], centre[a] + p.radius);
     }
   }
   const double diagonal = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
@@ -330,7 +338,7 @@ struct Columns {
   int degree = 0;  ///< highest degree whose coefficients are all there
 };
 
-Error findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns) {
+Error findColumns(const PointTable& cloud, Columns& columns) {
   for (int k = 0; k < kFieldsBeforeCoefficients; ++k) {
     columns.before[k] = findField(cloud, kFieldsBefore[k]);
     if (columns.before[k] < 0) {
@@ -357,16 +365,15 @@ Error findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns) {
           "made by a SLIM fit"};
 }
 
-pcl::PointCloud<PointSLIM> gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns) {
-  pcl::PointCloud<PointSLIM> points;
-  points.resize(numPoints(cloud));
+std::vector<SurfelPoint> gatherPoints(const PointTable& cloud, const Columns& columns) {
+  std::vector<SurfelPoint> points(numPoints(cloud));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto read = [&](int column, auto& value) {
       if (column < 0) return;
       value = static_cast<std::decay_t<decltype(value)>>(
           fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(column)]));
     };
-    PointSLIM& p = points[i];
+    SurfelPoint& p = points[i];
     p.degree = static_cast<float>(columns.degree);
     float* const before[] = {&p.x, &p.y, &p.z, &p.normal_x, &p.normal_y, &p.normal_z, &p.radius};
     float* const after[] = {&p.degree, &p.level, &p.leaf, &p.error, &p.confidence};
@@ -381,21 +388,36 @@ pcl::PointCloud<PointSLIM> gatherPoints(const pcl::PCLPointCloud2& cloud, const 
   return points;
 }
 
-}  // namespace
-
-SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud) {
-  const SurfaceMetadata metadata = makeMetadata(surface);
-  cloud = pcl::PointCloud<PointSLIM>();
-  cloud.resize(surface.size());
-  for (std::size_t i = 0; i < surface.size(); ++i) cloud[i] = toPoint(surface, i, metadata);
-  cloud.is_dense = true;
-  return metadata;
+/** \brief The surface that points make. \param[in] metadata null: derived from the points */
+Result<SLIMSurface> surfaceOf(const std::vector<SurfelPoint>& points,
+                              const SurfaceMetadata* metadata) {
+  const SurfaceMetadata units = metadata ? *metadata : deriveMetadata(points);
+  SLIMSurface surface;
+  surface.info = units.info;
+  if (surface.info.degree < 1 || surface.info.degree > kMaxDegree || !(surface.info.scale > 0.0)) {
+    return Error{ErrorCode::kBadInput, "the metadata name no degree 1..4 or no positive scale"};
+  }
+  surface.resize(points.size());
+  std::vector<std::array<std::uint32_t, 2>> maps;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!fromPoint(points[i], units, i, surface)) {
+      return Error{ErrorCode::kBadInput, "degree, level or leaf of surfel " + std::to_string(i) +
+                                             " is not a whole number from 0 to 255"};
+    }
+    maps.push_back({points[i].trim_low, points[i].trim_high});
+  }
+  setCoarseTrimMaps(maps, surface);
+  if (Error error = surface.validate()) return error;
+  surface.buildLinks();
+  return surface;
 }
 
-SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud) {
+}  // namespace
+
+SurfaceMetadata toPointTable(const SLIMSurface& surface, PointTable& cloud) {
   const SurfaceMetadata metadata = makeMetadata(surface);
   const auto stride = static_cast<std::size_t>(surface.stride());
-  cloud = pcl::PCLPointCloud2();
+  cloud = PointTable();
   for (const char* name : kFieldsBefore) addField(cloud, name, kFloat32);
   for (std::size_t k = 0; k < stride; ++k) addField(cloud, "c" + std::to_string(k), kFloat32);
   for (const char* name : kFieldsAfter) addField(cloud, name, kFloat32);
@@ -403,21 +425,17 @@ SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud) {
     for (const char* name : kTrimFields) addField(cloud, name, kUInt32);
   }
   if (surface.hasColors()) addColorFields(cloud);
-  cloud.height = 1;
-  cloud.width = static_cast<pcl::uindex_t>(surface.size());
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.is_dense = 1;
-  cloud.data.resize(static_cast<std::size_t>(cloud.point_step) * surface.size());
+  cloud.resize(surface.size());
   auto* at = cloud.data.data();
   const auto put = [&at](const auto* values, std::size_t count) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(values);
     at = std::copy(bytes, bytes + count * sizeof(*values), at);
   };
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    const PointSLIM p = toPoint(surface, i, metadata);
-    put(p.data, 3);
-    put(p.data_n, 3);
-    put(&p.radius, 1);
+    const SurfelPoint p = toPoint(surface, i, metadata);
+    for (const float value : {p.x, p.y, p.z, p.normal_x, p.normal_y, p.normal_z, p.radius}) {
+      put(&value, 1);
+    }
     put(p.c, stride);
     for (const float value : {p.degree, p.level, p.leaf, p.error, p.confidence}) put(&value, 1);
     for (const std::uint32_t half : {p.trim_low, p.trim_high}) {
@@ -430,30 +448,7 @@ SurfaceMetadata toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud) {
   return metadata;
 }
 
-Result<SLIMSurface> fromPCL(const pcl::PointCloud<PointSLIM>& cloud,
-                            const SurfaceMetadata* metadata) {
-  const SurfaceMetadata units = metadata ? *metadata : deriveMetadata(cloud);
-  SLIMSurface surface;
-  surface.info = units.info;
-  if (surface.info.degree < 1 || surface.info.degree > kMaxDegree || !(surface.info.scale > 0.0)) {
-    return Error{ErrorCode::kBadInput, "the metadata name no degree 1..4 or no positive scale"};
-  }
-  surface.resize(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!fromPoint(cloud[i], units, i, surface)) {
-      return Error{ErrorCode::kBadInput, "degree, level or leaf of surfel " + std::to_string(i) +
-                                             " is not a whole number from 0 to 255"};
-    }
-  }
-  std::vector<std::array<std::uint32_t, 2>> maps;
-  for (const PointSLIM& p : cloud) maps.push_back({p.trim_low, p.trim_high});
-  setCoarseTrimMaps(maps, surface);
-  if (Error error = surface.validate()) return error;
-  surface.buildLinks();
-  return surface;
-}
-
-Result<SLIMSurface> fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata) {
+Result<SLIMSurface> surfaceFrom(const PointTable& cloud, const SurfaceMetadata* metadata) {
   Columns columns;
   if (Error error = findColumns(cloud, columns)) return error;
   if (metadata && metadata->info.degree > columns.degree) {
@@ -461,7 +456,7 @@ Result<SLIMSurface> fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetad
                  "coefficient fields are missing: degree " + std::to_string(metadata->info.degree) +
                      " is announced, fields reach degree " + std::to_string(columns.degree)};
   }
-  Result<SLIMSurface> surface = fromPCL(gatherPoints(cloud, columns), metadata);
+  Result<SLIMSurface> surface = surfaceOf(gatherPoints(cloud, columns), metadata);
   if (surface) takeColors(cloud, *surface);
   return surface;
 }
