@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "fit_constants.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/surface/surfel_color.h"
 #include "scan/ball_kernels.h"
@@ -144,8 +143,7 @@ using detail::ColorSums;
 constexpr std::size_t kMostPoints = 4096;  ///< of a ball: more would not change six coefficients
 constexpr float kLeastGate =
     0.1f;  ///< of the radius: points farther from the surfel's polynomial ...
-/// ... and than this many residuals are of other sheets
-constexpr auto kGateErrors = static_cast<float>(detail::CoverConstants().residual_bound);
+constexpr float kGateErrors = 5.0f;      ///< ... and than this many residuals are of other sheets
 constexpr std::uint8_t kGrey = 128;      ///< of surfels without any point
 constexpr std::size_t kSlice = 1 << 14;  ///< points that a thread takes at a time
 
