@@ -157,6 +157,7 @@ sums() {
   generated "$1"
   local file name threads program
   for program in "$1"/pcl_*; do
+    [[ ! $program =~ _(tests|unit_[a-z]*|example_[a-z0-9_]*|stress|fuzz_[a-z]*)$ ]] || continue
     printf '%s  help of %s\n' "$("$program" -h | md5sum | cut -d' ' -f1)" "$(basename -- "$program")"
   done
   for program in '' '-organized 1 -seed 2'; do
