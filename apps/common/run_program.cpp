@@ -200,14 +200,6 @@ int runProgram(OptionTable& options, int argc, const char* const* argv, const st
   return exit.status == kExitInterrupted && signal != 0 ? 128 + signal : exit.status;
 }
 
-int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
-               const std::function<Error()>& check, const std::function<Error()>& work) {
-  return runProgram(options, argc, argv, relief, [&]() -> Exit {
-    if (const Error error = check()) return Exit::usage(error);
-    return work();
-  });
-}
-
 std::string commandLine(int argc, const char* const* argv) {
   std::string text = std::filesystem::path(argv[0]).filename().string();
   for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];

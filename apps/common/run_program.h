@@ -70,23 +70,6 @@ struct Exit {
 int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
                const std::function<Exit()>& body);
 
-/** \brief The same for a body of two parts: an error of check exits with kExitUsage, one of work with
- * kExitFailed. */
-int runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
-               const std::function<Error()>& check, const std::function<Error()>& work);
-
-/** \brief The same for a program whose arguments fill one struct: declare(settings) makes the
- * table, check(table, settings) checks, work(settings) works. */
-template <typename Settings, typename Declare, typename Check, typename Work>
-int runProgram(int argc, const char* const* argv, const std::string& relief, const Declare& declare,
-               const Check& check, const Work& work) {
-  Settings settings;
-  OptionTable options = declare(settings);
-  return runProgram(
-      options, argc, argv, relief, [&] { return check(options, settings); },
-      [&] { return work(settings); });
-}
-
 /** \brief The command as it was given, without the program's folder. */
 std::string commandLine(int argc, const char* const* argv);
 

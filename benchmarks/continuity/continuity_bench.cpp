@@ -162,12 +162,10 @@ Result<std::vector<std::string>> scanFiles(const Settings& s) {
   return files;
 }
 
-Error checkOptions(const OptionTable& options, const Settings&) {
-  if (options.given("scan") || options.given("data") || options.given("sensors")) return {};
-  return {ErrorCode::kBadArgument, "nothing to compare; give -scan, -data or -sensors"};
-}
-
-Error printAll(const Settings& s) {
+Exit run(const OptionTable& options, const Settings& s) {
+  if (!options.given("scan") && !options.given("data") && !options.given("sensors")) {
+    return {kExitUsage, "nothing to compare; give -scan, -data or -sensors"};
+  }
   const auto files = scanFiles(s);
   if (!files) return files.error();
   Tally tally;
@@ -189,6 +187,7 @@ Error printAll(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, checkOptions,
-                              printAll);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give fewer -points", [&] { return run(options, s); });
 }

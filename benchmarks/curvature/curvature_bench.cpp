@@ -51,7 +51,7 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-Error finishOptions(const OptionTable&, Settings& s) {
+Error finishOptions(Settings& s) {
   return measure::parseLists({{"noise", &s.noise, 0, 1, false, &s.noise_list},
                               {"radii", &s.radii, 1e-6, 2, false, &s.radius_list}});
 }
@@ -241,7 +241,8 @@ Result<std::vector<curvature::ImplicitSurface>> chosenSurfaces(const Settings& s
   return chosen;
 }
 
-Error measureAll(const Settings& s) {
+Exit run(Settings& s) {
+  if (Error error = finishOptions(s)) return Exit::usage(error);
   const auto surfaces = chosenSurfaces(s);
   if (!surfaces) return surfaces.error();
   if (!rivals::hasJets()) std::printf("Without jets: CGAL is not installed.\n\n");
@@ -272,6 +273,7 @@ Error measureAll(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, finishOptions,
-                              measureAll);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give fewer -points", [&] { return run(s); });
 }

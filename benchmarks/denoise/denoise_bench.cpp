@@ -52,7 +52,7 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-Error finishOptions(const OptionTable&, Settings& s) {
+Error finishOptions(Settings& s) {
   if (s.jets) {
     if (Error error = rivals::requireJets("-jets 0")) return error;
   }
@@ -227,7 +227,8 @@ Result<std::vector<std::string>> meshFiles(const Settings& s) {
   return files;
 }
 
-Error printTable(const Settings& s) {
+Exit run(Settings& s) {
+  if (Error error = finishOptions(s)) return Exit::usage(error);
   const auto files = meshFiles(s);
   if (!files) return files.error();
   printHeader(s);
@@ -252,6 +253,7 @@ Error printTable(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give fewer -points", declareOptions, finishOptions,
-                              printTable);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give fewer -points", [&] { return run(s); });
 }

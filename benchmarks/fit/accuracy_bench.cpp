@@ -251,13 +251,15 @@ Error printConvergence(const Settings& s) {
   });
 }
 
-Error measureAll(const Settings& s) {
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishOptions(options, s)) return Exit::usage(error);
   return s.convergence ? printConvergence(s) : printTable(s);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
-                              measureAll);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give smaller -points", [&] { return run(options, s); });
 }

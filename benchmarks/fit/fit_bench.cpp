@@ -166,7 +166,8 @@ Error measureCloud(const Settings& s, Row row) {
   return {};
 }
 
-Error measureAll(const Settings& s) {
+Exit run(const OptionTable& options, Settings& s) {
+  if (Error error = finishOptions(options, s)) return Exit::usage(error);
   printHeader();
   Row row;
   for (const std::string& shape : s.shape_list) {
@@ -185,6 +186,7 @@ Error measureAll(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
-                              measureAll);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give smaller -points", [&] { return run(options, s); });
 }

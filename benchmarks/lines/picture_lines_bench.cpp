@@ -152,7 +152,7 @@ void printDrift(const SLIMSurface& surface, const View& from, const View& to, do
       degrees, 100.0 * share, distances.size(), measure::median(distances));
 }
 
-Error run(Settings& s) {
+Exit run(Settings& s) {
   const auto surface = loadSlim(s.surface);
   if (!surface) return surface.error();
   s.lines.threads = s.threads;
@@ -183,7 +183,7 @@ Error run(Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(
-      argc, argv, "use a smaller picture", declareOptions,
-      [](const OptionTable&, Settings&) { return Error(); }, run);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "use a smaller picture", [&] { return run(s); });
 }

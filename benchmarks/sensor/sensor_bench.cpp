@@ -93,7 +93,7 @@ Error printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t s
   return {};
 }
 
-Error printTable(const Settings& s) {
+Exit run(const Settings& s) {
   std::printf(
       "| scan | default, mm | ° |%s noise found, mm | N | points | leaves | CPU s |\n"
       "|---|---|---|%s---|---|---|---|---|\n",
@@ -109,7 +109,7 @@ Error printTable(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(
-      argc, argv, "give fewer -rows", declareOptions,
-      [](const OptionTable&, const Settings&) { return Error(); }, printTable);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give fewer -rows", [&] { return run(s); });
 }

@@ -111,7 +111,7 @@ double medianRatio(const std::vector<double>& over, const std::vector<double>& u
 
 /** Rounds of all methods; the first is what the others are compared with. One round before counts
  * for nothing: memory that a process never used before comes slowly. */
-void run(std::vector<Method>& methods, std::size_t points, int rounds) {
+void timeMethods(std::vector<Method>& methods, std::size_t points, int rounds) {
   for (Method& method : methods) method.work();
   for (int r = 0; r < rounds; ++r) {
     for (Method& method : methods) method.measure();
@@ -215,12 +215,15 @@ Error loadCloud(const Settings& s, Cloud::Ptr& cloud) {
   return {ErrorCode::kBadInput, "the cloud needs 100 points or more; name a larger one"};
 }
 
-Error run(const Settings& s, const Cloud::Ptr& cloud) {
+Exit run(const Settings& s) {
+  if (Error error = measure::chooseVectors(s.vectors)) return Exit::usage(error);
+  Cloud::Ptr cloud;
+  if (Error error = loadCloud(s, cloud)) return Exit::usage(error);
   std::vector<Method> methods = methodsOf(cloud, s.share);
   const bool made = s.input == "painted";
   std::printf("%zu points of %s%s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str(),
               made ? (" in " + s.order + " order").c_str() : "");
-  run(methods, cloud->size(), s.repetitions);
+  timeMethods(methods, cloud->size(), s.repetitions);
   return {};
 }
 
@@ -236,12 +239,5 @@ int main(int argc, char** argv) {
   options.integer("repetitions", &s.repetitions, 1, 1000, "rounds; medians count");
   options.number("share", &s.share, 0, 1,
                  "share of points VoxelGrid keeps; 0: as many as the default tolerances give");
-  Cloud::Ptr cloud;
-  return runProgram(
-      options, argc, argv, "give smaller -points",
-      [&] {
-        const Error error = measure::chooseVectors(s.vectors);
-        return error ? error : loadCloud(s, cloud);
-      },
-      [&] { return run(s, cloud); });
+  return runProgram(options, argc, argv, "give smaller -points", [&] { return run(s); });
 }

@@ -37,17 +37,20 @@ std::string row(const ColoredScan& scan, const SplatParams& params, double geome
   return text;
 }
 
-void printTable(const ColoredScan& scan, const Settings& s) {
+Exit run(const Settings& s) {
+  const Result<ColoredScan> scan = loadColoredScan(s.input);
+  if (!scan) return Exit::usage(scan.error());
   const std::vector<double> colors{1.0, 0.99, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05};
-  std::printf("%s: %zu points%s\n\n|  |", s.input.c_str(), scan.size(),
+  std::printf("%s: %zu points%s\n\n|  |", s.input.c_str(), scan->size(),
               s.params.paper_mode ? ", paper mode" : "");
   for (const double color : colors) std::printf(" colour %g |", color);
   std::printf("\n|---|");
   for (std::size_t k = 0; k < colors.size(); ++k) std::printf("---|");
   std::printf("\n");
   for (const double geometry : {0.3, 0.2, 0.15, 0.1, 0.08}) {
-    std::printf("%s\n", row(scan, s.params, geometry, colors).c_str());
+    std::printf("%s\n", row(*scan, s.params, geometry, colors).c_str());
   }
+  return {};
 }
 
 }  // namespace
@@ -59,15 +62,5 @@ int main(int argc, char** argv) {
   options.toggle("paper", &s.params.paper_mode, "the published method");
   options.integer("initial", &s.params.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
-  Result<ColoredScan> scan = Error();
-  return runProgram(
-      options, argc, argv, "use a smaller scan",
-      [&] {
-        scan = loadColoredScan(s.input);
-        return scan.error();
-      },
-      [&] {
-        printTable(*scan, s);
-        return Error();
-      });
+  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(s); });
 }

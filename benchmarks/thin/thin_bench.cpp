@@ -36,7 +36,7 @@ OptionTable declareOptions(Settings& s) {
   return options;
 }
 
-Error finishOptions(const OptionTable&, Settings& s) {
+Error finishOptions(Settings& s) {
   if (s.rivals) {
     if (Error error = rivals::requireJets("-rivals 0")) return error;
   }
@@ -137,7 +137,8 @@ Error printRow(const Settings& s, const Scene& scene, double sigma) {
   return {};
 }
 
-Error printTable(const Settings& s) {
+Exit run(Settings& s) {
+  if (Error error = finishOptions(s)) return Exit::usage(error);
   std::printf(
       "RMS distance (leaves) and noise found, in spacings; thick: where it is at least 1 spacing "
       "and 5 "
@@ -158,6 +159,7 @@ Error printTable(const Settings& s) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram<Settings>(argc, argv, "give fewer rows", declareOptions, finishOptions,
-                              printTable);
+  Settings s;
+  OptionTable options = declareOptions(s);
+  return runProgram(options, argc, argv, "give fewer rows", [&] { return run(s); });
 }
