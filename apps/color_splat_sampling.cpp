@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/run_program.h"
@@ -103,9 +102,9 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
               {"color_noise", st.color_noise},
               {"normal_noise", st.normal_noise}});
   if (st.tree_cells > 0) report.add({{"tree_cells", st.tree_cells}, {"mean_error", st.error}});
-  report.json()["skipped"] = {{"non_finite", st.non_finite},
-                              {"duplicates", st.duplicates},
-                              {"without_normal", st.without_normal}};
+  report.set("skipped", {{"non_finite", st.non_finite},
+                         {"duplicates", st.duplicates},
+                         {"without_normal", st.without_normal}});
   report.time("order", st.seconds_order);
   report.time("normals", st.seconds_normals);
   report.time("divide", st.seconds_divide);
@@ -155,12 +154,13 @@ Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& sp
   const Result<HoleCheck> check = checkHoles(*store, splats, params);
   if (!check) return console.failed(check.error());
   report.time("rays", console.seconds());
-  report.json()["holes"] = check->holes();
-  report.json()["overlap"] = check->overlap;
-  report.json()["rays"] = {{"cast", check->rays},
-                           {"missed", check->missed},
-                           {"sparse", check->sparse},
-                           {"rough", check->rough}};
+  report.add({{"holes", check->holes()},
+              {"overlap", check->overlap},
+              {"rays",
+               {{"cast", check->rays},
+                {"missed", check->missed},
+                {"sparse", check->sparse},
+                {"rough", check->rough}}}});
   char text[96];
   std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * check->holes(),
                 check->overlap);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_lines: traces the ridges and ravines of a scan's SLIM surface.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -68,26 +67,27 @@ CrestView viewOf(const Settings& s, const SLIMSurface& surface) {
 }
 
 void reportLines(const CrestLines& lines, const CrestStatistics& statistics, Report& report) {
-  auto& json = report.json();
   double length = 0;
   for (const double l : lines.length) length += l;
   const auto ridges = std::count(lines.type.begin(), lines.type.end(), CrestType::kRidge);
-  json["lines"] = lines.numLines();
-  json["length"] = length;
-  json["ridges"] = ridges;
-  json["ravines"] = lines.numLines() - static_cast<std::size_t>(ridges);
-  json["closed"] = std::count(lines.closed.begin(), lines.closed.end(), 1);
-  json["vertices"] = lines.numVertices();
-  json["seeds"] = statistics.seeds;
-  json["requests"] = statistics.requests;
-  json["ends"] = {
-      {"joined", statistics.joined}, {"ended", statistics.ended}, {"faded", statistics.faded}};
-  json["left_out"] = {{"seeds_on_lines", statistics.seeds_on_lines},
-                      {"seeds_insignificant", statistics.seeds_insignificant},
-                      {"seeds_failed", statistics.seeds_failed},
-                      {"insignificant", statistics.insignificant},
-                      {"short", statistics.short_lines},
-                      {"weak", statistics.weak_lines}};
+  report.add(
+      {{"lines", lines.numLines()},
+       {"length", length},
+       {"ridges", ridges},
+       {"ravines", lines.numLines() - static_cast<std::size_t>(ridges)},
+       {"closed", std::count(lines.closed.begin(), lines.closed.end(), 1)},
+       {"vertices", lines.numVertices()},
+       {"seeds", statistics.seeds},
+       {"requests", statistics.requests},
+       {"ends",
+        {{"joined", statistics.joined}, {"ended", statistics.ended}, {"faded", statistics.faded}}},
+       {"left_out",
+        {{"seeds_on_lines", statistics.seeds_on_lines},
+         {"seeds_insignificant", statistics.seeds_insignificant},
+         {"seeds_failed", statistics.seeds_failed},
+         {"insignificant", statistics.insignificant},
+         {"short", statistics.short_lines},
+         {"weak", statistics.weak_lines}}}});
 }
 
 /** The scan's points, brought onto the surface. */
@@ -99,7 +99,7 @@ Error project(const Settings& s, const PointStore& store, const SLIMSurface& sur
       projectForLines(store, surface, origin, s.job.params, projection, &console.progress());
   if (error) return console.failed(error);
   report.time("project", console.seconds());
-  report.json()["unsupported"] = projection.num_unsupported;
+  report.set("unsupported", projection.num_unsupported);
   console.done(std::to_string(store.size() - projection.num_unsupported) + " points");
   return {};
 }

@@ -2,7 +2,6 @@
 // pcl_slim_mesh: triangulates the SLIM surface of a scan.
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "common/program.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_render: pictures and pages of a SLIM surface or of splats, without a window system.
-#include <nlohmann/json.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -115,8 +115,10 @@ Result<Image> withLines(const Settings& s, SurfaceRenderer& renderer, const Came
   return error ? Result<Image>(error) : image;
 }
 
-Error renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table,
-                         Report& report, double& save_seconds) {
+/** \return how many rays met the surface, of all pictures */
+Result<std::uint64_t> renderSurfaceModel(const Settings& s, const Model& model,
+                                         const Turntable& table, Report& report,
+                                         double& save_seconds) {
   SurfaceRenderer renderer(model.surface, s.threads);
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderStatistics total;
@@ -127,9 +129,10 @@ Error renderSurfaceModel(const Settings& s, const Model& model, const Turntable&
     total += counts;
     return withLines(s, renderer, turned, std::move(image), lines);
   });
-  if (s.lines.any()) report.json()["lines"] = lines;
-  reportSurface(model, total, report.json());
-  return error;
+  if (error) return error;
+  if (s.lines.any()) report.set("lines", lines);
+  reportSurface(model, total, report);
+  return total.covered_pixels;
 }
 
 DiscRenderParams discsOf(const Settings& s) {
@@ -141,8 +144,9 @@ DiscRenderParams discsOf(const Settings& s) {
   return params;
 }
 
-Error renderSplatModel(const Settings& s, const Model& model, const Turntable& table,
-                       Report& report, double& save_seconds) {
+Result<std::uint64_t> renderSplatModel(const Settings& s, const Model& model,
+                                       const Turntable& table, Report& report,
+                                       double& save_seconds) {
   const DiscRenderParams params = discsOf(s);
   const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
   DiscRenderStatistics total;
@@ -152,8 +156,9 @@ Error renderSplatModel(const Settings& s, const Model& model, const Turntable& t
     total += counts;
     return image;
   });
-  reportSplats(model, total, report.json());
-  return error;
+  if (error) return error;
+  reportSplats(model, total, report);
+  return total.covered_pixels;
 }
 
 TraceParams tracingOf(const Settings& s) {
@@ -168,8 +173,9 @@ TraceParams tracingOf(const Settings& s) {
   return params;
 }
 
-Error renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
-                        Report& report, double& save_seconds, Progress& progress) {
+Result<std::uint64_t> renderTracedModel(const Settings& s, const Model& model,
+                                        const Turntable& table, Report& report,
+                                        double& save_seconds, Progress& progress) {
   RayTracer tracer =
       model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
   TraceParams params = tracingOf(s);
@@ -186,9 +192,10 @@ Error renderTracedModel(const Settings& s, const Model& model, const Turntable& 
     total += counts;
     return renderer ? withLines(s, *renderer, turned, std::move(image), lines) : image;
   });
-  if (s.lines.any()) report.json()["lines"] = lines;
-  reportTraced(model, total, report.json());
-  return error;
+  if (error) return error;
+  if (s.lines.any()) report.set("lines", lines);
+  reportTraced(model, total, report);
+  return total.covered_pixels;
 }
 
 /** Writes a page in place of a picture. */
@@ -206,9 +213,9 @@ Error writePage(const Settings& s, const Model& model, const Camera& camera, Con
                         : encodePage(model.surface, camera, renderingOf(s), shading, params);
   if (!page) return page.error();
   if (Error error = writeFile(s.output, page->data(), page->size())) return error;
-  report.json()[model.is_splats ? "splats" : "surfels"] =
-      model.is_splats ? model.splats.size() : model.surface.size();
-  report.json()["page_bytes"] = page->size();
+  report.add({{model.is_splats ? "splats" : "surfels",
+               model.is_splats ? model.splats.size() : model.surface.size()},
+              {"page_bytes", page->size()}});
   report.time("page", console.seconds());
   console.done(std::to_string(page->size()) + " bytes");
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, camera);
@@ -220,14 +227,14 @@ Error renderModel(const Settings& s, const Model& model, const Turntable& table,
   console.begin("Rendering " + s.view.size_text);
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
-  Error error = s.picture.isTraced()
-                    ? renderTracedModel(s, model, table, report, save_seconds, console.progress())
-                    : render(s, model, table, report, save_seconds);
-  if (error) return error;
+  const Result<std::uint64_t> covered =
+      s.picture.isTraced()
+          ? renderTracedModel(s, model, table, report, save_seconds, console.progress())
+          : render(s, model, table, report, save_seconds);
+  if (!covered) return covered.error();
   const double seconds = console.seconds() - save_seconds;
-  const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
   report.time("render", seconds);
-  console.done(seconds, std::to_string(covered) + " rays met the surface");
+  console.done(seconds, std::to_string(*covered) + " rays met the surface");
   report.time("save", save_seconds);
   console.begin("Saving " + s.output);
   console.done(save_seconds, s.view.size_text + " pixels");
@@ -303,7 +310,7 @@ Result<Model> loadDrawn(Settings& s, bool& opens, Console& console, Report& repo
   model->surface.closeHoles(s.hole, s.threads);
   report.time("load", console.seconds());
   if (model->blocks > 0)
-    report.json()["blocks"] = {{"count", model->blocks}, {"read", model->blocks_read}};
+    report.set("blocks", {{"count", model->blocks}, {"read", model->blocks_read}});
   console.done(model->describe());
   if (model->skipped > 0) {
     console.note("  splats left out: " + std::to_string(model->skipped) +
@@ -361,9 +368,12 @@ Exit draw(const Settings& s, const Model& model, const Turntable& table, Console
   Error error = PageRequest::isPage(s.output) ? writePage(s, model, camera, console, report)
                                               : renderModel(s, model, table, console, report);
   if (error) return exitOfDrawing(console.failed(error));
-  report.json()["camera"] = {
-      {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
-      {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
+  report.set("camera", {{"position", camera.position},
+                        {"look_at", camera.look_at},
+                        {"up", camera.up},
+                        {"fov", camera.fov},
+                        {"width", camera.size.width},
+                        {"height", camera.size.height}});
   error = report.write(s.json);
   if (!error) error = commitOutputs(files);
   return error ? exitOfDrawing(console.failed(error)) : Exit();

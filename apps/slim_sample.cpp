@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_sample: spreads points evenly over a scan's SLIM surface.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "common/program.h"

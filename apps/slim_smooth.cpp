@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_smooth: moves a scan's points onto its SLIM surface; every other field stays.
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -161,7 +160,7 @@ Result<PointFile> smoothFaces(const Settings& s, const CloudFile& scan, const SL
   if (error) return console.failed(error);
   report.time("smooth", console.seconds());
   reportMesh(done, report);
-  if (surface == nullptr) report.json()["lambda"] = done.fit.lambda;
+  if (surface == nullptr) report.set("lambda", done.fit.lambda);
   console.done(std::to_string(done.moved) + " vertices" + (done.sharp ? ", sharp edges kept" : ""));
   note(done.faces_left_out, " face left out", " faces left out", console);
   note(done.isolated, " vertex without faces stays", " vertices without faces stay", console);
@@ -181,7 +180,7 @@ Result<PointFile> smoothPoints(const Settings& s, const CloudFile& scan, SLIMSur
     if (error && error.code != ErrorCode::kNoSurface) return error;
     if (error) {
       console.warn(error.message + "; the points are written as they are");
-      report.json()["warning"] = error.message;
+      report.set("warning", error.message);
     }
   }
   const auto projection =

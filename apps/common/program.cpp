@@ -79,38 +79,43 @@ void Console::clearBar() {
   std::printf("\r\033[K%s", line_.c_str());
 }
 
+ReportValue::ReportValue(std::initializer_list<ReportField> fields) : data(Object(fields)) {}
+
 Report::Report(const OptionTable& options, const std::string& input, int threads)
-    : json_(std::make_unique<nlohmann::ordered_json>()) {
-  auto& json = *json_;
-  json["program"] = options.program();
-  json["version"] = options.version();
-  json["input"] = input;
-  json["points"] = 0;
-  json["threads"] = resolveThreads(threads);
-  json["seconds"]["total"] = 0.0;
-  json["peak_rss_mb"] = 0.0;
+    : fields_{{"program", options.program()},
+              {"version", options.version()},
+              {"input", input},
+              {"points", 0},
+              {"threads", resolveThreads(threads)},
+              {"seconds", {{"total", 0.0}}},
+              {"peak_rss_mb", 0.0}} {}
+
+void Report::add(std::initializer_list<ReportField> fields) {
+  fields_.insert(fields_.end(), fields);
 }
 
-Report::Report(const Report& other)
-    : total_(other.total_), json_(std::make_unique<nlohmann::ordered_json>(*other.json_)) {}
+using Json = nlohmann::ordered_json;
 
-Report::~Report() = default;
+// The JSON library finds these by their name.
+static void to_json(Json& json, const ReportValue& value);
 
-void Report::add(const nlohmann::ordered_json& values) {
-  json_->update(values);
+static void to_json(Json& json, const ReportValue::Object& fields) {
+  json = Json::object();
+  for (const ReportField& field : fields) json[field.name] = field.value;
 }
 
-void Report::time(const std::string& stage, double seconds) {
-  (*json_)["seconds"][stage] = seconds;
+static void to_json(Json& json, const ReportValue& value) {
+  std::visit([&json](const auto& data) { json = data; }, value.data);
 }
 
-Error Report::write(const std::string& path) {
+Error Report::write(const std::string& path) const {
   if (path.empty()) return {};
-  (*json_)["seconds"]["total"] = total_.seconds();
-  (*json_)["peak_rss_mb"] = peakMemoryMb();
+  Json json = fields_;
+  json["seconds"].update(Json(seconds_));
+  json["seconds"]["total"] = total_.seconds();
+  json["peak_rss_mb"] = peakMemoryMb();
   // File names need not be UTF-8, JSON must be.
-  const std::string text =
-      json_->dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return writeFile(path, text.data(), text.size());
 }
 
@@ -170,7 +175,7 @@ Error saveOutput(const std::string& output, const std::string& report_file,
   Error error = save();
   const double seconds = console.seconds();
   report.time("save", seconds);
-  report.json()["output"] = output;
+  report.set("output", output);
   if (!error) error = report.write(report_file);
   if (!error) error = commitOutputs(files);
   if (error) return console.failed(error);

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
-#include <memory>
-#include <nlohmann/json_fwd.hpp>
+#include <initializer_list>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/run_program.h"
@@ -56,33 +60,57 @@ class Console {
   Progress progress_;
 };
 
+struct ReportField;
+
+/** \brief A value of a report: a truth, a number, a text, or a list or an object of values. */
+struct ReportValue {
+  using List = std::vector<ReportValue>;
+  using Object = std::vector<ReportField>;
+
+  ReportValue(bool truth) : data(truth) {}
+  template <typename T, std::enable_if_t<std::is_integral_v<T>, int> = 0>
+  ReportValue(T number)
+      : data(std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>(number)) {}
+  ReportValue(double number) : data(number) {}
+  ReportValue(const char* text) : data(std::string(text)) {}
+  ReportValue(const std::string& text) : data(text) {}
+  template <typename T>
+  ReportValue(const std::vector<T>& list) : data(List(list.begin(), list.end())) {}
+  ReportValue(const std::array<double, 3>& list) : data(List(list.begin(), list.end())) {}
+  ReportValue(std::initializer_list<ReportField> fields);
+
+  std::variant<bool, std::int64_t, std::uint64_t, double, std::string, List, Object> data;
+};
+
+struct ReportField {
+  std::string name;
+  ReportValue value;
+};
+
 /** \brief What a program did, as a JSON object with the keys every program has in common.
  *
  * program, version, input, points, threads, seconds{total, ...}, peak_rss_mb, and what the program
- * adds to json() before write().
+ * sets and adds before write().
  */
 class Report {
  public:
   /** \param[in] threads as given; 0: all cores. */
   Report(const OptionTable& options, const std::string& input, int threads);
-  Report(const Report& other);
-  Report& operator=(const Report&) = delete;
-  ~Report();
 
-  nlohmann::ordered_json& json() { return *json_; }
-
-  /** \brief Appends keys and values. */
-  void add(const nlohmann::ordered_json& values);
+  /** \brief Appends a key with its value; a key that is there keeps its place and gets the value. */
+  void set(const std::string& name, ReportValue value) { add({{name, std::move(value)}}); }
+  /** \brief The same of several. */
+  void add(std::initializer_list<ReportField> fields);
 
   /** \brief Notes a stage's wall time under seconds{}. */
-  void time(const std::string& stage, double seconds);
+  void time(const std::string& stage, double seconds) { seconds_.push_back({stage, seconds}); }
 
   /** \brief Writes the report with the total time and peak memory; nothing for an empty path. */
-  Error write(const std::string& path);
+  Error write(const std::string& path) const;
 
  private:
   Stopwatch total_;
-  std::unique_ptr<nlohmann::ordered_json> json_;
+  ReportValue::Object fields_, seconds_;
 };
 
 /** \brief Highest resident memory of this process so far, in 2^20 bytes; 0 where unknown. */

@@ -2,7 +2,6 @@
 #include "projection/block_surface.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
@@ -103,7 +102,7 @@ Result<SLIMSurface> BlockSurface::load(const Part& part) {
 
 void BlockSurface::reportBlocks(Console& console, Report& report) const {
   const std::size_t all = boxes_.size(), read = reader_.blocksRead();
-  report.json()["surface_blocks"] = {{"count", all}, {"read", read}};
+  report.set("surface_blocks", {{"count", all}, {"read", read}});
   console.note("  " + std::to_string(read) + " of " + std::to_string(all) +
                " blocks of the surface were read");
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projection/projection_job.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "pcl_slim/filters/io/surface_files.h"

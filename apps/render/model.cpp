@@ -2,7 +2,6 @@
 #include "render/model.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -84,55 +83,55 @@ namespace {
 
 /** What a picture of either kind cost. */
 template <typename Counts>
-void reportCounts(const Counts& counts, nlohmann::ordered_json& json) {
-  json.update({{"covered_pixels", counts.covered_pixels},
-               {"rays_first", counts.rays_first},
-               {"rays_blend", counts.rays_blend},
-               {"tile_entries", counts.tile_entries}});
+void reportCounts(const Counts& counts, Report& report) {
+  report.add({{"covered_pixels", counts.covered_pixels},
+              {"rays_first", counts.rays_first},
+              {"rays_blend", counts.rays_blend},
+              {"tile_entries", counts.tile_entries}});
 }
 
 }  // namespace
 
-void reportSurface(const Model& model, const RenderStatistics& counts,
-                   nlohmann::ordered_json& json) {
-  json.update({{"points", model.surface.info.num_points},
-               {"surfels", model.surface.size()},
-               {"leaves", model.surface.numLeaves()},
-               {"levels", model.surface.numLevels()},
-               {"degree", model.surface.info.degree},
-               {"lambda", model.surface.info.lambda}});
-  reportCounts(counts, json);
-  json["closed_pixels"] = counts.closed_pixels;
-  json["rays_bracketed"] = counts.rays_bracketed;
-  json["skipped"] = {{"outside_frustum", counts.outside_frustum},
-                     {"outside_region", counts.outside_region},
-                     {"back_facing", counts.back_facing},
-                     {"below_detail", counts.below_detail},
-                     {"occluded_entries", counts.occluded_entries}};
-  json["coarse_surfels"] = counts.coarse_surfels;
+void reportSurface(const Model& model, const RenderStatistics& counts, Report& report) {
+  report.add({{"points", model.surface.info.num_points},
+              {"surfels", model.surface.size()},
+              {"leaves", model.surface.numLeaves()},
+              {"levels", model.surface.numLevels()},
+              {"degree", model.surface.info.degree},
+              {"lambda", model.surface.info.lambda}});
+  reportCounts(counts, report);
+  report.add({{"closed_pixels", counts.closed_pixels},
+              {"rays_bracketed", counts.rays_bracketed},
+              {"skipped",
+               {{"outside_frustum", counts.outside_frustum},
+                {"outside_region", counts.outside_region},
+                {"back_facing", counts.back_facing},
+                {"below_detail", counts.below_detail},
+                {"occluded_entries", counts.occluded_entries}}},
+              {"coarse_surfels", counts.coarse_surfels}});
 }
 
-void reportSplats(const Model& model, const DiscRenderStatistics& counts,
-                  nlohmann::ordered_json& json) {
+void reportSplats(const Model& model, const DiscRenderStatistics& counts, Report& report) {
   const std::uint64_t covered = counts.covered_pixels;
-  json.update({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
-  reportCounts(counts, json);
-  json["overlap"] =
-      covered > 0 ? static_cast<double>(counts.blended) / static_cast<double>(covered) : 0.0;
-  json["skipped"] = {{"unusable", model.skipped},
-                     {"outside_frustum", counts.outside_frustum},
-                     {"back_facing", counts.back_facing}};
+  report.add({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
+  reportCounts(counts, report);
+  report.set("overlap", covered > 0
+                            ? static_cast<double>(counts.blended) / static_cast<double>(covered)
+                            : 0.0);
+  report.set("skipped", {{"unusable", model.skipped},
+                         {"outside_frustum", counts.outside_frustum},
+                         {"back_facing", counts.back_facing}});
 }
 
-void reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json) {
-  json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
-               {"covered_pixels", counts.covered_pixels},
-               {"rays_primary", counts.rays_primary},
-               {"rays_shadow", counts.rays_shadow},
-               {"rays_occlusion", counts.rays_occlusion},
-               {"tested_first", counts.tested_first},
-               {"tested_blend", counts.tested_blend},
-               {"tested_per_ray", counts.testedPerRay()}});
+void reportTraced(const Model& model, const TraceStatistics& counts, Report& report) {
+  report.add({{model.is_splats ? "splats" : "leaves", counts.leaves},
+              {"covered_pixels", counts.covered_pixels},
+              {"rays_primary", counts.rays_primary},
+              {"rays_shadow", counts.rays_shadow},
+              {"rays_occlusion", counts.rays_occlusion},
+              {"tested_first", counts.tested_first},
+              {"tested_blend", counts.tested_blend},
+              {"tested_per_ray", counts.testedPerRay()}});
 }
 
 }  // namespace pcl_slim

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "common/program.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/disc_rasterizer.h"
@@ -42,14 +42,12 @@ Result<bool> holdsModel(const std::string& path);
 Result<Model> loadModel(const std::string& path);
 
 /** \brief Adds what a surface is and what its pictures cost and left out to a report. */
-void reportSurface(const Model& model, const RenderStatistics& counts,
-                   nlohmann::ordered_json& json);
+void reportSurface(const Model& model, const RenderStatistics& counts, Report& report);
 
 /** \brief The same of splats. */
-void reportSplats(const Model& model, const DiscRenderStatistics& counts,
-                  nlohmann::ordered_json& json);
+void reportSplats(const Model& model, const DiscRenderStatistics& counts, Report& report);
 
 /** \brief The same of traced pictures of either. */
-void reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
+void reportTraced(const Model& model, const TraceStatistics& counts, Report& report);
 
 }  // namespace pcl_slim

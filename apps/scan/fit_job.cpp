@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <type_traits>
@@ -215,14 +214,14 @@ std::string frameNote(const FitJob& job, const CloudFile& cloud, std::size_t fra
 void reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, Report& report) {
   if (!cloud.frames.empty()) {
     const std::size_t frames = 1 + *std::max_element(cloud.frames.begin(), cloud.frames.end());
-    report.json()["frames"] = frames;
+    report.set("frames", frames);
     console.note("  " + frameNote(job, cloud, frames));
   }
   const std::string source = cloud.sensors.empty()     ? "none"
                              : !job.trajectory.empty() ? "trajectory"
                              : !job.frames.empty()     ? "frames"
                                                        : "fields";
-  report.json()["sensors"] = source;
+  report.set("sensors", source);
   if (source == "fields") console.note("  each point's own sensor, from fields vp_x vp_y vp_z");
   if (source == "trajectory") console.note("  each point's own sensor, from " + job.trajectory);
 }
@@ -240,14 +239,14 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
   console.begin("Loading " + path);
   Result<CloudFile> cloud = loadFrames(path, job);
   if (!cloud) return console.failed(cloud.error());
-  report.json()["points"] = cloud->size();
+  report.set("points", cloud->size());
   report.time("load", console.seconds());
   console.done(counted(cloud->size(), "point"));
   if (cloud->turned_outwards)
     console.note("  the mesh is closed and inside out: its faces are turned outwards");
   if (!cloud->file.columns.empty()) {
     console.note("  columns: " + cloud->file.columns);
-    report.json()["columns"] = cloud->file.columns;
+    report.set("columns", cloud->file.columns);
   }
   reportSensors(job, *cloud, console, report);
   if (job.normal_neighbours > 0) {
@@ -258,8 +257,9 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
     report.time("normals", console.seconds());
     console.done(std::to_string(job.normal_neighbours) + " neighbours");
   }
-  report.json()["normals"] = normalSourceName(
-      job.use_normals || job.normal_neighbours > 0 ? cloud->normal_source : NormalSource::kNothing);
+  report.set("normals", normalSourceName(job.use_normals || job.normal_neighbours > 0
+                                             ? cloud->normal_source
+                                             : NormalSource::kNothing));
   return cloud;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 namespace pcl_slim {
 
@@ -25,7 +24,7 @@ const char* sideSourceName(SideSource source) {
 }
 
 /** What a fit left out, and what it had no need to do. */
-nlohmann::ordered_json skippedCounts(const FittedPoints& fitted, const FitStatistics& fit) {
+ReportValue skippedCounts(const FittedPoints& fitted, const FitStatistics& fit) {
   const PointStoreStatistics& points = fitted.statistics;
   return {{"non_finite", points.non_finite},
           {"far_away", points.far_away},
@@ -98,7 +97,7 @@ void reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const Fit
               {"trim_bytes", surface.trim_maps.size()},
               {"store_bytes", fitted.store_bytes},
               {"working_bytes", fit.working_bytes}});
-  report.json()["skipped"] = skippedCounts(fitted, fit);
+  report.set("skipped", skippedCounts(fitted, fit));
   report.time("outliers", fit.seconds.outliers);
   report.time("noise", fit.seconds.noise);
   report.time("sides", fit.seconds.sides);

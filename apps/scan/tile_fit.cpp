@@ -8,7 +8,6 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "pcl_slim/core/parallel.h"
@@ -138,16 +137,16 @@ void reportTiles(const StreamStatistics& statistics, const StreamFit& fit, int a
   std::uint64_t most = 0;
   for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
     most = std::max(most, fit.loadedPoints(t));
-  report.json()["tiles"] = {{"count", statistics.tiles},
-                            {"kept", statistics.kept_tiles},
-                            {"halo_points", statistics.halo_points},
-                            {"most_points", most},
-                            {"at_once", at_once},
-                            {"noise_thinning", statistics.noise_thinning},
-                            {"passes", statistics.passes},
-                            {"coarse_surfels", statistics.coarse_surfels},
-                            {"scratch_read", statistics.scratch_read},
-                            {"scratch_written", statistics.scratch_written}};
+  report.set("tiles", {{"count", statistics.tiles},
+                       {"kept", statistics.kept_tiles},
+                       {"halo_points", statistics.halo_points},
+                       {"most_points", most},
+                       {"at_once", at_once},
+                       {"noise_thinning", statistics.noise_thinning},
+                       {"passes", statistics.passes},
+                       {"coarse_surfels", statistics.coarse_surfels},
+                       {"scratch_read", statistics.scratch_read},
+                       {"scratch_written", statistics.scratch_written}});
   report.time("measure", statistics.seconds_measure);
   report.time("sort", statistics.seconds_sort);
   report.time("plan", statistics.seconds_plan);
@@ -175,7 +174,7 @@ void reportRanks(const StreamFit& fit, Ranks& ranks, Report& report) {
   messages[0].resize(sizeof(own));
   std::memcpy(messages[0].data(), &own, sizeof(own));
   ranks.exchange(messages);
-  auto list = nlohmann::ordered_json::array();
+  ReportValue::List list;
   for (const Ranks::Bytes& message : messages) {
     RankFigures rank{};
     if (message.size() == sizeof(rank)) std::memcpy(&rank, message.data(), sizeof(rank));
@@ -187,7 +186,7 @@ void reportRanks(const StreamFit& fit, Ranks& ranks, Report& report) {
                     {"halo_bytes_sent", static_cast<std::uint64_t>(rank.halo_bytes_sent)},
                     {"peak_rss_mb", rank.peak_rss_mb}});
   }
-  report.json()["ranks"] = list;
+  report.set("ranks", list);
 }
 
 /** Two numbers with a character between them. */
@@ -360,8 +359,8 @@ void tell(const StreamFit& fit, Console& console) {
 
 Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
                  Report& report, SlimBlockWriter* writer, TiledSurface& made) {
-  report.json()["points"] = source.size();
-  report.json()["normals"] = source.hasNormals() ? "fields" : "none";
+  report.set("points", source.size());
+  report.set("normals", source.hasNormals() ? "fields" : "none");
   console.begin("Fitting by tiles");
   StreamParams params = streamParams(job, tiles);
   params.source_name = tiles.source_name;
@@ -372,9 +371,8 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
   report.time("fit", console.seconds());
   reportFit(pointsOf(fit), made.surface, statistics.fit, report);
   const auto& levels = statistics.fit.leaves_per_level;
-  report.json()["surfels"] = run.written();
-  report.json()["levels"] =
-      std::count_if(levels.begin(), levels.end(), [](auto n) { return n > 0; });
+  report.set("surfels", run.written());
+  report.set("levels", std::count_if(levels.begin(), levels.end(), [](auto n) { return n > 0; }));
   reportTiles(statistics, fit, run.atOnce(), report);
   if (tiles.ranks != nullptr) reportRanks(fit, *tiles.ranks, report);
   console.done(std::to_string(statistics.fit.leaves) + " leaves, " +

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -343,9 +342,7 @@ Exit run(const OptionTable& options, const Settings& s) {
   console.begin("Scanning an amphora");
   const demo::Scan scan = demo::scanAmphora(s.scan);
   report.time("scan", console.seconds());
-  report.json()["points"] = scan.rgb.size();
-  report.json()["noise"] = s.scan.noise;
-  report.json()["seed"] = s.scan.seed;
+  report.add({{"points", scan.rgb.size()}, {"noise", s.scan.noise}, {"seed", s.scan.seed}});
   console.done(std::to_string(scan.width) + " x " + std::to_string(scan.height) + " points");
 
   const auto bytes = demo::encodePcd(scan);
