@@ -30,9 +30,10 @@ struct PageParams {
  * positions, normals and curvatures. camera.size sets the shape of the still picture that is
  * shown where WebGL 2 is missing. Cuts are refused.
  * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 70 KB. The same for every run. */
-PCL_SLIM_EXPORT Result<std::string>
-encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
-           const ShadingParams& shading, const PageParams& params);
+PCL_SLIM_EXPORT Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
+                                               const RenderParams& rendering,
+                                               const ShadingParams& shading,
+                                               const PageParams& params);
 
 /** \brief The same for coloured discs, some 15 bytes each; params.precision means nothing. */
 PCL_SLIM_EXPORT Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,
