@@ -192,6 +192,8 @@ def breaches_of_file(path, text):
     # Highway's *-inl.h files are included once per instruction set and cannot use the pragma.
     if header and not path.endswith("-inl.h") and "\n#pragma once\n" not in text:
         yield "has no #pragma once"
+    if "\n#include" in text.split("\n#pragma once\n")[0] and "\n#pragma once\n" in text:
+        yield "includes something above #pragma once"
     count = text.count("\n")
     if count > MOST_LINES_IN_FILE:
         yield f"has {count} lines: split it (limit {MOST_LINES_IN_FILE})"
