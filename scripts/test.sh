@@ -25,7 +25,7 @@ printf ' done in %d s\n' $((SECONDS - begin))
 grep -E '\*\*\*(Skipped|Not Run)' "$log" || true
 # Programs of GoogleTest run many tests each, and skip some.
 details=$root/build/release/Testing/Temporary/LastTest.log
-grep -h -E '^\[  SKIPPED \] \w+\.' "$details" | sort -u || true
+grep -h -E '^\[  SKIPPED \] [^ ]+$' "$details" | sort -u || true
 sed -n 's/^\[  PASSED  \] \([0-9]*\) test.*/\1/p' "$details" |
   awk '{ sum += $1 } END { printf "%d tests of GoogleTest passed in %d programs\n", sum, NR }'
 grep -E 'tests passed' "$log"
