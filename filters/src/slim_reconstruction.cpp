@@ -10,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "finite_points.h"
 #include "input_types.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
@@ -24,29 +25,6 @@ namespace {
 
 constexpr int kNearest = 4;
 
-/** The finite points of a cloud, about one of them, and where they are in it. */
-struct NearbyPoints {
-  Vector3 origin{};
-  pcl::PointCloud<pcl::PointXYZ>::Ptr points{new pcl::PointCloud<pcl::PointXYZ>};
-  std::vector<std::size_t> places;
-
-  explicit NearbyPoints(const CloudView& cloud) {
-    for (std::size_t i = 0; i < cloud.count(); ++i) {
-      const std::size_t place = cloud.inputIndex(i);
-      const Vector3 p = cloud.position(place);
-      if (!isFinite(p)) continue;
-      if (places.empty()) origin = p;
-      places.push_back(place);
-      points->push_back(relative(p));
-    }
-  }
-
-  pcl::PointXYZ relative(const Vector3& p) const {
-    return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
-            static_cast<float>(p[2] - origin[2])};
-  }
-};
-
 }  // namespace
 
 Error colorFromPoints(const CloudView& cloud, const ColorView& colors, int threads,
@@ -54,18 +32,18 @@ Error colorFromPoints(const CloudView& cloud, const ColorView& colors, int threa
   mesh.colors.clear();
   if (colors.bgr == nullptr) return badInput("the points have no colours; give a coloured scan");
   if (Error error = cloud.validate()) return error;
-  const NearbyPoints nearby(cloud);
-  if (nearby.places.empty()) return CloudView::nothingFinite();
+  const detail::FinitePoints nearby(cloud);
+  if (nearby.source.empty()) return CloudView::nothingFinite();
   const pcl::search::Search<pcl::PointXYZ>::Ptr tree = makeSearch(nearby.points);
-  const int k = std::min<int>(kNearest, static_cast<int>(nearby.places.size()));
+  const int k = std::min<int>(kNearest, static_cast<int>(nearby.source.size()));
   mesh.colors.resize(mesh.vertices.size());
   parallelFor(mesh.vertices.size(), resolveThreads(threads), 1024, [&](std::size_t v, int) {
     pcl::Indices found(static_cast<std::size_t>(k));
     std::vector<float> distances(static_cast<std::size_t>(k));
-    const int count = tree->nearestKSearch(nearby.relative(mesh.vertices[v]), k, found, distances);
+    const int count = tree->nearestKSearch(nearby.local(mesh.vertices[v]), k, found, distances);
     double sum[3] = {0, 0, 0}, weights = 0;
     for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) {
-      const std::size_t place = nearby.places[static_cast<std::size_t>(found[j])];
+      const std::size_t place = cloud.inputIndex(nearby.source[static_cast<std::size_t>(found[j])]);
       const auto* bgr = static_cast<const std::uint8_t*>(colors.bgr) + place * colors.stride;
       const double weight = 1 / (static_cast<double>(distances[j]) + 1e-30);
       for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * bgr[2 - c];
