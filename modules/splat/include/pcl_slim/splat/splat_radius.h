@@ -28,8 +28,11 @@ struct CellSpacing {
   std::uint32_t points;
 };
 
-/** \brief Spacings wider than this are cut to it: outliers would get discs of any size. A multiple
- * of the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. The
+/** \brief A spacing this many times the middle one is the widest that counts. */
+constexpr double kWidestSpacings = 6.0;
+
+/** \brief Spacings wider than this are cut to it: outliers would get discs of any size. kWidestSpacings
+ * times the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. The
  * cells are reordered. */
 PCL_SLIM_EXPORT double widestSpacing(std::vector<CellSpacing>& cells);
 
