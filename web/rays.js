@@ -136,7 +136,7 @@ function blendLeaf(s, rules, i, eye, direction, first, sum) {
   sum.shift += weight * (root - hat) * r;
   sum.coverage += kernel(s.kernel, root2 / s.coverRadius ** 2);
   if (rules.trim) sum.outside += weight * outsideShare(s, i, qu, qv);
-  sum.lean = along(sum.lean, weight, q);
+  sum.offsets = along(sum.offsets, weight, q);
   sum.side += side;
   sum.leaves += 1;
   sum.gradient = along(sum.gradient, side * weight, along(along(w, -hu, u), -hv, v));
@@ -150,7 +150,7 @@ function blendLeaf(s, rules, i, eye, direction, first, sum) {
 function isSupported(s, rules, sum) {
   if (sum.outside > 0.5 * sum.weight) return false;
   if (sum.coverage >= s.coverThreshold) return true;
-  return sum.leaves >= rules.kMinLeaves && length(sum.lean) < rules.kMaxLean * sum.weight;
+  return sum.leaves >= rules.kMinLeaves && length(sum.offsets) < rules.kMaxMeanOffset * sum.weight;
 }
 
 /** Principal curvatures of a level set by its gradient and Hessian. */
@@ -190,7 +190,7 @@ export function cast(s, rules, eye, direction) {
     const first = firstHit(s, rules, eye, direction, nearest);
     if (first === Infinity) return null;
     const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, leaves: 0, side: 0, largest: 0, leaf: -1,
-                 lean: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
+                 offsets: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);
     if (sum.leaf < 0) return null;
     if (isSupported(s, rules, sum)) {

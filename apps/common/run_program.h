@@ -25,7 +25,7 @@ void cancelOnSignals(Progress* progress);
  * runProgram() reports it. */
 void declareMemoryLimit(OptionTable& options);
 
-/** \brief Whether the limit allows so many bytes, whatever is in use already. */
+/** \brief Whether the limit allows this number of bytes, whatever is in use already. */
 bool isWithinMemoryLimit(double bytes);
 
 /** \brief Refuses work that would take it beyond the limit set. \param[in] bytes a lower bound of

@@ -46,7 +46,7 @@ struct DrawnArea {
 };
 
 /** \brief Sums up, over six views in parallel projection along the axes, the area that pixels show:
- * all of it, and what lies farther than 1.5 spacings from every foot.
+ * all of it, and the part that is farther than 1.5 spacings from every foot.
  * \param[in] reference draw with the reference rasteriser */
 DrawnArea drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params,
                     int size, bool reference);

@@ -16,14 +16,15 @@ constexpr double kSameSheet = 0.25;  ///< radii a place may lie beside a leaf's 
 
 /** \brief What leaves say of a place: the renderer's blend, met at the place itself. */
 struct PlaceBlend {
-  float weight = 0.0f, coverage = 0.0f, outside = 0.0f, lean[3] = {0.0f, 0.0f, 0.0f};
+  float weight = 0.0f, coverage = 0.0f, outside = 0.0f, offset_sum[3] = {0.0f, 0.0f, 0.0f};
   int leaves = 0;
 
   bool isDrawn(double min_coverage) const {
     if (leaves == 0 || outside > 0.5f * weight) return false;
     if (coverage >= min_coverage) return true;
-    const float lean_sq = lean[0] * lean[0] + lean[1] * lean[1] + lean[2] * lean[2];
-    return leaves >= 3 && lean_sq < weight * weight / 16.0f;
+    const float offset_sq = offset_sum[0] * offset_sum[0] + offset_sum[1] * offset_sum[1] +
+                            offset_sum[2] * offset_sum[2];
+    return leaves >= 3 && offset_sq < weight * weight / 16.0f;
   }
 };
 
@@ -42,7 +43,7 @@ void addLeaf(const SLIMSurface& surface, std::size_t i, const Vector3& offset, b
   sum.coverage +=
       static_cast<float>(evaluateKernel(surface.info.blend_kernel, s_sq / (alpha * alpha)));
   if (trim) sum.outside += static_cast<float>(w * outsideShare(surface.trimMap(i), u, v));
-  for (std::size_t a = 0; a < 3; ++a) sum.lean[a] += static_cast<float>(w * offset[a]);
+  for (std::size_t a = 0; a < 3; ++a) sum.offset_sum[a] += static_cast<float>(w * offset[a]);
   ++sum.leaves;
 }
 

@@ -15,8 +15,8 @@ struct SensorErrors {
   double unit = 0;                         ///< L of a fit [mm]
 };
 
-/** \brief Leaves points nearer to another solid than that out of all errors: beside a crease no
- * smoother knows on which side a point lies, and most of the squared error is there. */
+/** \brief Leaves points nearer than this to another solid out of all errors. Beside a crease no
+ * smoother can decide the side of a point, and most of the squared error is there. */
 void leaveOutCreases(double distance, SensorScan& scan);
 
 /** \brief A scan by our fit and projection; what no leaf supports keeps its place.

@@ -30,7 +30,7 @@ bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*ca
                                 const void* body) {
   try {
     error_ = call(body);
-    // Checked after the last progress report: a caller who cancels wants no result.
+    // Checked after the last progress report: a caller who cancels gets no result.
     if (!error_ && control_.progress.cancelled()) {
       fail(ErrorCode::kCancelled, std::string(work) + " was cancelled");
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every class says in one sentence that memory is short, whichever allocation fails, and works
-// again afterwards. The program's own operator new fails when it is told to.
+// again afterwards. The program's own operator new fails after a number of allocations.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

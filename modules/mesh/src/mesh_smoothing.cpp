@@ -363,7 +363,7 @@ Error smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoot
   countEdges(used.faces, s.disagreeing_edges, s.nonmanifold_edges);
   SmoothingRun run(used.faces, vertices, params, surface, s, progress);
   if (Error error = run.run()) return error;
-  // Checked after the last progress report: a caller who cancels wants no result.
+  // Checked after the last progress report: a caller who cancels gets no result.
   if (progress != nullptr && progress->cancelled()) {
     return {ErrorCode::kCancelled, "the smoothing was cancelled"};
   }

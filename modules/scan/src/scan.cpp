@@ -80,7 +80,7 @@ Error traceStored(const SLIMSurface& surface, SurfaceOrigin origin, const FitPar
   crest.threads = fit.threads;
   Error error = traceCrestLines(store, projection, surface, crest, traced.lines, &traced.statistics,
                                 progress);
-  // Checked after the last progress report: a caller who cancels wants no result.
+  // Checked after the last progress report: a caller who cancels gets no result.
   if (!error && progress != nullptr && progress->cancelled())
     error = {ErrorCode::kCancelled, "the tracing of lines was cancelled"};
   if (error) traced.lines = {};

@@ -34,7 +34,7 @@ TEST(SplatInput, OneColourOnePointOneLine) {
   }
 }
 
-/** A painted cloud's coordinates and normals as floats, so many apart; nothing stands behind the
+/** A painted cloud's coordinates and normals as floats, this many apart; nothing follows the
  * last point. */
 class PackedFloats {
  public:

@@ -40,7 +40,7 @@ const vec3 slimBackColor = vec3(0.52, 0.56, 0.64);  // the inner side, where bot
 uniform int slimNumCuts;
 uniform vec4 slimCuts[6];       // clipping planes in view coordinates
 
-// Which texels a pixel looks at, and how much of each: the one it lies in where every pixel has a
+// Which texels a pixel reads, and how much of each: the one around it where every pixel has a
 // ray, otherwise those of the four rays around it that met one sheet.
 ivec2 slimLow, slimHigh;
 vec4 slimWeights;
@@ -91,7 +91,7 @@ void slimChoose(vec2 at)
   }
 }
 
-// A pixel beside the silhouette that a line covers lies on the sheet next to it.
+// A pixel beside the silhouette that a line covers belongs to the sheet next to it.
 vec4 slimBeside()
 {
   vec4 hit = vec4(0.0);

@@ -165,7 +165,7 @@ vec2 slimQuadratic(float a[5])
   return vec2(min(x, y), max(x, y));
 }
 
-// Places between which a cubic is monotone; those that are missing lie at the interval's ends.
+// Places between which a cubic is monotone; those that are missing are at the interval's ends.
 vec2 slimTurns(float a[5], float low, float high)
 {
   float d[5];
@@ -181,7 +181,7 @@ vec4 slimRoots(float a[5], float low, float high)
     return vec4(r.x >= low && r.x <= high ? r.x : kNoRoot, r.y >= low && r.y <= high ? r.y : kNoRoot,
                 kNoRoot, kNoRoot);
   }
-  // Most leaves lie so flat that the slope keeps its sign all along the chord.
+  // Most leaves are so flat that the slope keeps its sign all along the chord.
   float h = max(abs(low), abs(high));
   float bend = h * (2.0 * abs(a[2]) + h * (3.0 * abs(a[3]) + h * 4.0 * abs(a[4])));
   if (abs(a[1]) > bend) {
@@ -506,11 +506,11 @@ uniform sampler2D slimSums3;
 uniform sampler2D slimSums4;
 uniform float slimMinCoverage;
 
-bool slimSupported(vec4 sum, vec3 lean, float outside)
+bool slimSupported(vec4 sum, vec3 offsets, float outside)
 {
   if (outside > 0.5 * sum.x) return false;
   if (sum.z >= slimMinCoverage) return true;
-  return sum.w > kMinLeaves - 0.5 && dot(lean, lean) < kMaxLean * kMaxLean * sum.x * sum.x;
+  return sum.w > kMinLeaves - 0.5 && dot(offsets, offsets) < kMaxMeanOffset * kMaxMeanOffset * sum.x * sum.x;
 }
 )";
 
@@ -538,13 +538,13 @@ void main()
   if (texelFetch(slimNearest, at, 0).x < 0.0) discard;
   float first = texelFetch(slimFirst, at, 0).x;
   vec4 sum = texelFetch(slimSums0, at, 0);
-  vec4 lean = texelFetch(slimSums1, at, 0), bent = texelFetch(slimSums3, at, 0);
-  if (!(sum.x > 0.0) || !slimSupported(sum, lean.xyz, bent.w)) discard;
+  vec4 offsets = texelFetch(slimSums1, at, 0), bent = texelFetch(slimSums3, at, 0);
+  if (!(sum.x > 0.0) || !slimSupported(sum, offsets.xyz, bent.w)) discard;
   vec3 g = texelFetch(slimSums2, at, 0).xyz / sum.x;
   vec3 d = bent.xyz / sum.x;
   vec3 o = texelFetch(slimSums4, at, 0).xyz / sum.x;
   float depth = (first + sum.y / sum.x) * slimScale;
-  bool behind = slimOriented != 0 && lean.w < 0.0;
+  bool behind = slimOriented != 0 && offsets.w < 0.0;
   gl_FragData[0] = vec4(g / sqrt(max(dot(g, g), 1e-30)), behind ? -depth : depth);
   gl_FragData[1] = vec4(slimPrincipal(g, d, o) / slimScale, 0.0, 0.0);
   gl_FragData[2] = vec4(first);
@@ -557,8 +557,8 @@ void main()
   ivec2 at = ivec2(gl_FragCoord.xy);
   if (texelFetch(slimNearest, at, 0).x < 0.0) discard;
   vec4 sum = texelFetch(slimSums0, at, 0);
-  vec3 lean = texelFetch(slimSums1, at, 0).xyz;
-  if (!(sum.x > 0.0) || slimSupported(sum, lean, texelFetch(slimSums3, at, 0).w)) discard;
+  vec3 offsets = texelFetch(slimSums1, at, 0).xyz;
+  if (!(sum.x > 0.0) || slimSupported(sum, offsets, texelFetch(slimSums3, at, 0).w)) discard;
   float radius = texelFetch(slimSums2, at, 0).w / sum.x;
   gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + kPeelStep * radius);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // docs/theory.md, "One fit, step by step", 5 (Radius): the fits at the radii of eq. (5) and
-// between, what is told from their residuals ("Guards", "Detail below the noise", "Two fits on the
+// between, the tests of their residuals ("Guards", "Detail below the noise", "Two fits on the
 // same points"), and the search over one ball.
 #pragma once
 

@@ -26,7 +26,7 @@ constexpr float kInfinite = std::numeric_limits<float>::infinity();
 struct BlockSums {
   Vec weight, shift, coverage, facing, best;
   Vec outside;  ///< of w outsideShare(): of the trim maps
-  Vec gradient[3], hessian[6], lean[3], leaves;
+  Vec gradient[3], hessian[6], offset_sum[3], leaves;
   UintVec surfel;
 
   void clear() {
@@ -34,7 +34,7 @@ struct BlockSums {
     weight = shift = coverage = facing = best = outside = leaves = zero;
     for (auto& g : gradient) g = zero;
     for (auto& h : hessian) h = zero;
-    for (auto& l : lean) l = zero;
+    for (auto& l : offset_sum) l = zero;
     surfel = setUint(GBuffer::kNothing);
   }
 };
@@ -320,14 +320,14 @@ HWY_INLINE void addDerivatives(const PassContext& context, const LeafRays& rays,
 
 /** Adds where a leaf's crossing is from its centre: needed only where coverage is below its
  * threshold. */
-HWY_INLINE void addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums) {
+HWY_INLINE void addOffset(const LeafRays& rays, const Crossing& at, BlockSums& sums) {
   const FrameLeaf& leaf = rays.leaf;
   const Vec share = at.weight * at.inverse_m;
   const Vec px = MulAdd(set(leaf.xc), at.sigma, rays.x);
   const Vec py = MulAdd(set(leaf.yc), at.sigma, rays.y);
-  sums.lean[0] = MulAdd(share, px, sums.lean[0]);
-  sums.lean[1] = MulAdd(share, py, sums.lean[1]);
-  sums.lean[2] = MulAdd(share, at.sigma, sums.lean[2]);
+  sums.offset_sum[0] = MulAdd(share, px, sums.offset_sum[0]);
+  sums.offset_sum[1] = MulAdd(share, py, sums.offset_sum[1]);
+  sums.offset_sum[2] = MulAdd(share, at.sigma, sums.offset_sum[2]);
   const Mask counts = at.weight > set(0.0f);
   sums.leaves += IfThenElseZero(counts, set(1.0f));
 }
@@ -364,7 +364,7 @@ HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays
 }
 
 /** Pass 2 of one leaf. */
-template <int D, bool WithLean>
+template <int D, bool WithOffset>
 HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
                           BlockSums& sums) {
   const FrameLeaf& leaf = *place.leaf;
@@ -405,7 +405,7 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
     sums.outside = MulAdd(at.weight, outsideOf(rays, at.sigma, at.inverse_m), sums.outside);
   }
   addDerivatives<D>(context, rays, block, at, sums);
-  if constexpr (WithLean) addLean(rays, at, sums);
+  if constexpr (WithOffset) addOffset(rays, at, sums);
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes

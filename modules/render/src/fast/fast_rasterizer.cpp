@@ -53,7 +53,7 @@ void turn(const FrameView& view, const BlendSum& sum, std::size_t lane, NearLane
     for (int a = 0; a < 3; ++a) value += sum.gradient[a] * axes[i][a];
     lanes.gradient[i][lane] = static_cast<float>(value);
     for (int j = i; j < 3; ++j) lanes.hessian[kSymmetricEntry[i][j]][lane] = product(i, j);
-    lanes.lean[i][lane] = static_cast<float>(sum.lean[i]);
+    lanes.offset_sum[i][lane] = static_cast<float>(sum.offset_sum[i]);
   }
 }
 

@@ -189,7 +189,7 @@ HWY_NOINLINE void blendNear(const PassContext& context, const FrameLeaf& leaf, c
   add(sums.facing, lanes.facing);
   for (int a = 0; a < 3; ++a) {
     add(sums.gradient[a], lanes.gradient[a]);
-    add(sums.lean[a], lanes.lean[a]);
+    add(sums.offset_sum[a], lanes.offset_sum[a]);
   }
   for (int k = 0; k < 6; ++k) add(sums.hessian[k], lanes.hessian[k]);
   sums.leaves += IfThenElseZero(counts, set(1.0f));
@@ -223,7 +223,7 @@ void findFirst(const PassContext& context, Block& block) {
 }
 
 /** Pass 2: sums over the leaves whose ball contains q^. */
-template <bool WithLean>
+template <bool WithOffset>
 void gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums) {
   const std::size_t count = context.tile.listBlend(around);
   sums.clear();
@@ -231,9 +231,9 @@ void gather(const PassContext& context, const Ball& around, const Block& block, 
     const TileLeaf& at = context.tile.listed(n);
     switch (at.leaf->degree) {
       case kNearLeaf: blendNear(context, *at.leaf, block, sums); break;
-      case 2: blendLeaf<2, WithLean>(context, at, block, sums); break;
-      case 3: blendLeaf<3, WithLean>(context, at, block, sums); break;
-      default: blendLeaf<4, WithLean>(context, at, block, sums); break;
+      case 2: blendLeaf<2, WithOffset>(context, at, block, sums); break;
+      case 3: blendLeaf<3, WithOffset>(context, at, block, sums); break;
+      default: blendLeaf<4, WithOffset>(context, at, block, sums); break;
     }
   }
   context.statistics.rays_blend += count * kLanes;
@@ -245,8 +245,8 @@ HWY_NOINLINE Mask unsupported(const PassContext& context, Block block, Mask doub
   block.pending = doubtful;
   BlockSums sums;
   gather<true>(context, ballAround(context, block), block, sums);
-  const Vec* l = sums.lean;
-  const Vec allowed = set(kMaxLean) * sums.weight;
+  const Vec* l = sums.offset_sum;
+  const Vec allowed = set(kMaxMeanOffset) * sums.weight;
   const Mask surrounded = And(sums.leaves >= set(kMinLeaves),
                               dot3(l[0], l[1], l[2], l[0], l[1], l[2]) < allowed * allowed);
   return AndNot(surrounded, And(doubtful, sums.weight > set(0.0f)));

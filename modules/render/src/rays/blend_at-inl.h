@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {
   Vec weight, shift, coverage, leaves, facing;
-  Vec gradient[3], hessian[6], lean[3], spread[3];
+  Vec gradient[3], hessian[6], offset_sum[3], spread[3];
   double outside = 0.0;  ///< of w outsideShare(), over all lanes
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
@@ -31,7 +31,7 @@ struct LaneSums {
     weight = shift = coverage = leaves = facing = Zero(Tag());
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
-    for (auto& l : lean) l = weight;
+    for (auto& l : offset_sum) l = weight;
     for (auto& l : spread) l = weight;
     std::fill(largest, largest + kWide, 0.0f);
     std::fill(surfel, surfel + kWide, WideTree::kNothing);
@@ -48,7 +48,7 @@ struct LaneSums {
     sum.facing = static_cast<std::int32_t>(over(facing));
     for (int a = 0; a < 3; ++a) {
       sum.gradient[a] = over(gradient[a]);
-      sum.lean[a] = over(lean[a]);
+      sum.offset_sum[a] = over(offset_sum[a]);
       sum.spread[a] = over(spread[a]);
     }
     for (std::size_t i = 0; i < 6; ++i) sum.hessian[i] = over(hessian[i]);
@@ -187,7 +187,7 @@ HWY_NOINLINE void addOutside(const SLIMSurface& surface, const std::uint32_t* su
 HWY_INLINE void addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sums) {
   const Vec places[] = {at.x, at.y, at.z};
   for (std::size_t a = 0; a < 3; ++a) {
-    sums.lean[a] = MulAdd(weight, places[a], sums.lean[a]);
+    sums.offset_sum[a] = MulAdd(weight, places[a], sums.offset_sum[a]);
     sums.spread[a] += IfThenElseZero(added, places[a]);
   }
 }

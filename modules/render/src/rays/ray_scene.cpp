@@ -380,9 +380,9 @@ bool closesGap(const BlendSum& sum, const Vector3& direction) {
   constexpr int kLeastLeaves = 3;
   if (isOutside(sum)) return false;
   const Vector3 gradient{sum.gradient[0], sum.gradient[1], sum.gradient[2]};
-  const Vector3 lean{sum.spread[0], sum.spread[1], sum.spread[2]};
+  const Vector3 spread{sum.spread[0], sum.spread[1], sum.spread[2]};
   const double size = length(gradient);
-  return sum.leaves >= kLeastLeaves && length(lean) < kMaxSpread * sum.leaves &&
+  return sum.leaves >= kLeastLeaves && length(spread) < kMaxSpread * sum.leaves &&
          size > kAgreement * sum.weight && std::abs(dot(gradient, direction)) > kLeastCosine * size;
 }
 

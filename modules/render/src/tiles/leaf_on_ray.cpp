@@ -105,7 +105,7 @@ void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& su
   sum.shift += weight * (s - s_hat) * surfel.radius;
   sum.coverage += evaluateKernel(kernel, root_sq / (rules.cover_radius * rules.cover_radius));
   if (rules.trim) sum.outside += weight * outsideShare(surfel.trim, u, v);
-  for (std::size_t k = 0; k < 3; ++k) sum.lean[k] += weight * q[k];
+  for (std::size_t k = 0; k < 3; ++k) sum.offset_sum[k] += weight * q[k];
   ++sum.leaves;
   sum.facing += slope > 0.0 ? -1 : 1;
   addDerivatives(surfel, jet, side * weight, sum);
@@ -122,9 +122,11 @@ bool isOutside(const BlendSum& sum) {
 bool isSupported(const BlendSum& sum, double min_coverage) {
   if (isOutside(sum)) return false;
   if (sum.coverage >= min_coverage) return true;
-  const double lean_sq =
-      sum.lean[0] * sum.lean[0] + sum.lean[1] * sum.lean[1] + sum.lean[2] * sum.lean[2];
-  return sum.leaves >= kMinLeaves && lean_sq < kMaxLean * kMaxLean * sum.weight * sum.weight;
+  const double offset_sq = sum.offset_sum[0] * sum.offset_sum[0] +
+                           sum.offset_sum[1] * sum.offset_sum[1] +
+                           sum.offset_sum[2] * sum.offset_sum[2];
+  return sum.leaves >= kMinLeaves &&
+         offset_sq < kMaxMeanOffset * kMaxMeanOffset * sum.weight * sum.weight;
 }
 
 namespace {

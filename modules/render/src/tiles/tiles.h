@@ -110,8 +110,8 @@ struct BlendSum {
   double weight = 0.0;
   double shift = 0.0;  ///< of w (t - t^): q is on the ray
   double coverage = 0.0;
-  double outside = 0.0;              ///< of w outsideShare(): of the trim maps
-  double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
+  double outside = 0.0;                    ///< of w outsideShare(): of the trim maps
+  double offset_sum[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r
   double spread[3] = {0.0, 0.0,
                       0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
   int leaves = 0;

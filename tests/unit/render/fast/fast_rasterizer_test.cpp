@@ -98,8 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Models, FastAgainstReference,
                                          ModelCase{Shape::kTorus, 2, 0.0, false},
                                          ModelCase{Shape::kTorus, 4, 0.0, false}));
 
-// Random maps leave borders everywhere: a pixel of a hundred lies next to one that rounding
-// decides.
+// Random maps have borders everywhere: rounding decides one pixel of a hundred beside them.
 TEST_P(FastAgainstReference, TrimmedPicturesAgree) {
   const ModelCase& p = GetParam();
   SLIMSurface surface = fittedScene(p.shape, p.degree, p.noise, p.normals);
@@ -270,9 +269,9 @@ TEST(FastRasterizer, ThreadsSkippingAndEarlierFramesDoNotChangeAByte) {
 
 TEST(FastRasterizer, ColumnsNotAskedForStayEmptyAndChangeNothing) {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
-  RenderParams lean;
-  lean.columns = 0;
-  const GBuffer few = rendered(surface, frontCamera(), lean),
+  RenderParams no_columns;
+  no_columns.columns = 0;
+  const GBuffer few = rendered(surface, frontCamera(), no_columns),
                 all = rendered(surface, frontCamera());
   EXPECT_TRUE(few.position.empty() && few.hessian.empty() && few.weight.empty());
   EXPECT_EQ(few.depth, all.depth);

@@ -104,8 +104,8 @@ TEST(Shadows, AConvexShapeCastsNoneOnItself) {
   }
 }
 
-// A sheet shades what lies behind it whichever way it faces, though a camera there would see
-// through.
+// A sheet shades the surface behind it whichever way it faces, although a camera there would see
+// through it.
 TEST(Shadows, ASheetThatIsTurnedAwayBlocksLight) {
   for (const double side : {1.0, -1.0}) {
     SLIMSurface surface = floorSurface();

@@ -26,7 +26,7 @@ struct PointTable {
   std::uint32_t point_step = 0;    ///< bytes of a point
   std::vector<std::uint8_t> data;  ///< point by point, row by row
 
-  /** \brief Makes one row of so many points; new ones are 0. */
+  /** \brief Makes the table one row of this number of points; new ones are 0. */
   void resize(std::size_t points) {
     height = 1;
     width = static_cast<std::uint32_t>(points);

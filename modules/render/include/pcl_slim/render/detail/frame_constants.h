@@ -16,9 +16,9 @@ struct FrameConstant {
 
 constexpr double kMaxShrink =
     0.95;  ///< of pass 1: at the very rim a leaf has no weight to blend with
-constexpr double kMaxShift = 0.25;  ///< distance of q^ from a leaf's own surface [radii]
-constexpr double kMinLeaves = 3.0;  ///< that surround a gap which still belongs to the surface
-constexpr double kMaxLean = 0.25;   ///< of those leaves' middle from the gap [radii]
+constexpr double kMaxShift = 0.25;       ///< distance of q^ from a leaf's own surface [radii]
+constexpr double kMinLeaves = 3.0;       ///< that surround a gap which still belongs to the surface
+constexpr double kMaxMeanOffset = 0.25;  ///< of those leaves' middle from the gap [radii]
 constexpr double kPeelStep = 0.02;  ///< where the search continues behind an uncovered flap [radii]
 constexpr int kMaxLayers = 8;       ///< how often a ray may pass through uncovered flaps
 constexpr double kDetailFade = 1.5;   ///< sizes over which surfels fade [levels of detail]
@@ -28,7 +28,7 @@ constexpr double kDetailMeets = 0.4;  ///< surfels of a smaller share are not me
 constexpr std::array<FrameConstant, 7> kFrameConstants{{{"kMaxShrink", kMaxShrink},
                                                         {"kMaxShift", kMaxShift},
                                                         {"kMinLeaves", kMinLeaves},
-                                                        {"kMaxLean", kMaxLean},
+                                                        {"kMaxMeanOffset", kMaxMeanOffset},
                                                         {"kPeelStep", kPeelStep},
                                                         {"kDetailFade", kDetailFade},
                                                         {"kDetailMeets", kDetailMeets}}};
