@@ -106,13 +106,14 @@ Error PieceStream::readWholeOrHead(Console& console, Report& report, SLIMSurface
 }
 
 Exit PieceStream::run(MakeFields fields, Console& console, Report& report) {
-  SLIMSurface surface;
+  TiledSurface made;
+  SLIMSurface& surface = made.surface;
   if (!source_) {
     if (Error error = readWholeOrHead(console, report, surface)) return Exit::usage(error);
   }
   if (Error error = checkOutputs(job_.files.output, job_.files.json)) return error;
   if (source_) {
-    if (Error error = fitByTiles(*source_, job_.fit, job_.tiles, console, report, surface))
+    if (Error error = fitByTiles(*source_, job_.fit, job_.tiles, console, report, nullptr, made))
       return exitOfTiles(error);
   }
   if (Error error = writer_.open(job_.files.output, reader_.width(), reader_.height()))

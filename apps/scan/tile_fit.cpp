@@ -347,7 +347,7 @@ FittedPoints pointsOf(const StreamFit& fit) {
 }
 
 /** Prints and reports the totals over all tiles. */
-void tell(const StreamFit& fit, Console& console) {
+void printNotes(const StreamFit& fit, Console& console) {
   const StreamStatistics& statistics = fit.statistics();
   const std::string skipped = skippedText(statistics.points);
   if (!skipped.empty()) console.note("  " + skipped);
@@ -382,20 +382,12 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
                  " are fitted and kept in '" + tiles.plan + "'");
     return {};
   }
-  tell(fit, console);
+  printNotes(fit, console);
   if (statistics.fit.leaves > 0) return {};
   return {
       ErrorCode::kNoSurface,
       "the points lie along lines or scattered, nowhere along a surface: give more points beside "
       "them"};
-}
-
-Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-                 Report& report, SLIMSurface& surface) {
-  TiledSurface made;
-  Error error = fitByTiles(source, job, tiles, console, report, nullptr, made);
-  surface = std::move(made.surface);
-  return error;
 }
 
 Exit exitOfTiles(const Error& error) {

@@ -61,10 +61,6 @@ Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tile
 Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
                  Report& report, SlimBlockWriter* writer, TiledSurface& made);
 
-/** \brief The same into one surface. */
-Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-                 Report& report, SLIMSurface& surface);
-
 /** \brief The end of work that reads its scan while it goes on: of one that cannot be read, or cannot
  * be fitted by tiles, the end is as of one that could not be loaded. */
 Exit exitOfTiles(const Error& error);
