@@ -22,29 +22,29 @@ namespace pcl_slim {
 namespace {
 
 using namespace pcl_slim_test;
-using Point = pcl::PointXYZRGB;
-using Cloud = pcl::PointCloud<Point>;
-using Search = pcl::search::Search<Point>;
+using PaintedPoint = pcl::PointXYZRGB;
+using PaintedCloud = pcl::PointCloud<PaintedPoint>;
+using Search = pcl::search::Search<PaintedPoint>;
 
 constexpr double kNoise = 0.005;  ///< of the torus's points
 
 /** A noisy torus, red and blue, with points far from it and a second one beyond the range. */
-Cloud::Ptr scannedTorus() {
-  auto cloud = torusCloud<Point>(60000, kNoise);
-  for (Point& p : *cloud) {
+PaintedCloud::Ptr scannedTorus() {
+  auto cloud = torusCloud<PaintedPoint>(60000, kNoise);
+  for (PaintedPoint& p : *cloud) {
     p.r = p.x > 0 ? 220 : 20;
     p.g = 60;
     p.b = p.x > 0 ? 20 : 220;
   }
-  const Cloud near = *cloud;
-  for (Point p : near) {
+  const PaintedCloud near = *cloud;
+  for (PaintedPoint p : near) {
     p.z += 5.0f;
     cloud->push_back(p);
   }
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-1.6f, 1.6f);
   for (int i = 0; i < 300; ++i) {
-    Point p;
+    PaintedPoint p;
     p.x = place(random);
     p.y = place(random);
     p.z = place(random);
@@ -53,18 +53,18 @@ Cloud::Ptr scannedTorus() {
   return cloud;
 }
 
-Cloud::Ptr cleaned(const Cloud::Ptr& scan) {
-  auto cloud = std::make_shared<Cloud>(), thinned = std::make_shared<Cloud>();
-  pcl::PassThrough<Point> pass;
+PaintedCloud::Ptr cleaned(const PaintedCloud::Ptr& scan) {
+  auto cloud = std::make_shared<PaintedCloud>(), thinned = std::make_shared<PaintedCloud>();
+  pcl::PassThrough<PaintedPoint> pass;
   pass.setInputCloud(scan);
   pass.setFilterFieldName("z");
   pass.setFilterLimits(-2.0f, 2.0f);
   pass.filter(*cloud);
-  pcl::VoxelGrid<Point> grid;
+  pcl::VoxelGrid<PaintedPoint> grid;
   grid.setInputCloud(cloud);
   grid.setLeafSize(0.02f, 0.02f, 0.02f);
   grid.filter(*thinned);
-  pcl::StatisticalOutlierRemoval<Point> apart;
+  pcl::StatisticalOutlierRemoval<PaintedPoint> apart;
   apart.setInputCloud(thinned);
   apart.setMeanK(16);
   apart.setStddevMulThresh(2.0);
@@ -84,17 +84,17 @@ double errorOf(const pcl::PointCloud<PointT>& cloud) {
 }
 
 TEST(PCLPipeline, CleansFitsSmoothsAndSamples) {
-  const Cloud::Ptr cloud = cleaned(scannedTorus());
+  const PaintedCloud::Ptr cloud = cleaned(scannedTorus());
   ASSERT_GT(cloud->size(), 20000u);
-  const Search::Ptr tree(new pcl::search::KdTree<Point>);
+  const Search::Ptr tree(new pcl::search::KdTree<PaintedPoint>);
   auto normals = std::make_shared<pcl::PointCloud<pcl::Normal>>();
-  pcl::NormalEstimationOMP<Point, pcl::Normal> estimation;
+  pcl::NormalEstimationOMP<PaintedPoint, pcl::Normal> estimation;
   estimation.setInputCloud(cloud);
   estimation.setSearchMethod(tree);
   estimation.setKSearch(16);
   estimation.compute(*normals);
 
-  SLIMFit<Point> fit;
+  SLIMFit<PaintedPoint> fit;
   fit.setInputCloud(cloud);
   fit.setInputNormals(normals);
   SLIMSurface surface;
@@ -102,7 +102,7 @@ TEST(PCLPipeline, CleansFitsSmoothsAndSamples) {
   EXPECT_TRUE(surface.hasColors());
   EXPECT_LT(surface.numLeaves(), cloud->size() / 10);
 
-  SLIMProjectionSmoother<Point, pcl::PointXYZRGBNormal> smoother;
+  SLIMProjectionSmoother<PaintedPoint, pcl::PointXYZRGBNormal> smoother;
   auto smooth = std::make_shared<pcl::PointCloud<pcl::PointXYZRGBNormal>>();
   smoother.setInputCloud(cloud);
   smoother.setInputNormals(normals);
@@ -127,12 +127,13 @@ TEST(PCLPipeline, CleansFitsSmoothsAndSamples) {
 }
 
 TEST(PCLPipeline, SamplerEstimatesNormalsWithAnySearch) {
-  const auto cloud = torusCloud<Point>(20000, 0.0);
-  ColorOctreeSplatSampler<Point> sampler;
+  const auto cloud = torusCloud<PaintedPoint>(20000, 0.0);
+  ColorOctreeSplatSampler<PaintedPoint> sampler;
   sampler.setInputCloud(cloud);
   sampler.setNormalEstimationNeighbors(12);
-  for (const Search::Ptr& search : {Search::Ptr(), Search::Ptr(new pcl::search::KdTree<Point>),
-                                    Search::Ptr(new pcl::search::Octree<Point>(0.1))}) {
+  for (const Search::Ptr& search :
+       {Search::Ptr(), Search::Ptr(new pcl::search::KdTree<PaintedPoint>),
+        Search::Ptr(new pcl::search::Octree<PaintedPoint>(0.1))}) {
     sampler.setSearchMethod(search);
     EXPECT_EQ(sampler.getSearchMethod(), search);
     pcl::PointCloud<pcl::PointSurfel> splats;
@@ -147,7 +148,7 @@ TEST(PCLPipeline, SamplerEstimatesNormalsWithAnySearch) {
     // A cell's points are within a cap of 16 degrees, and so is their mean normal.
     EXPECT_GT(worst, std::cos(16.0 * M_PI / 180.0));
   }
-  sampler.setSearchMethod(std::make_shared<pcl::search::KdTree<Point>>());
+  sampler.setSearchMethod(std::make_shared<pcl::search::KdTree<PaintedPoint>>());
   sampler.setNormalEstimationNeighbors(2);
   pcl::PointCloud<pcl::PointSurfel> none;
   EXPECT_FALSE(sampler.sample(none));

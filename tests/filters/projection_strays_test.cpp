@@ -10,7 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using Cloud = pcl::PointCloud<pcl::PointNormal>;
+using NormalCloud = pcl::PointCloud<pcl::PointNormal>;
 
 /** A sphere's points smoothed beside others that have no normal. */
 void expectSmoothed(const std::vector<Eigen::Vector3f>& others,
@@ -24,7 +24,7 @@ void expectSmoothed(const std::vector<Eigen::Vector3f>& others,
   }
   SLIMProjectionSmoother<pcl::PointNormal> smoother;
   smoother.setInputCloud(cloud);
-  Cloud out;
+  NormalCloud out;
   smoother.process(out);
   ASSERT_FALSE(smoother.getError()) << smoother.getError().message;
   ASSERT_EQ(out.size(), cloud->size());
@@ -54,7 +54,7 @@ TEST(ProjectionStrays, AsFarAwayAsFloatsReach) {
 TEST(ProjectionStrays, PointsWithoutNormalAreSmoothedAsWellBesideThem) {
   auto cloud = pcl_slim_test::sphereCloud<pcl::PointNormal>(5000, 1.0, 0.002);
   for (std::size_t i = 0; i < 3; ++i) (*cloud)[i].getNormalVector3fMap().setZero();
-  Cloud expected, out;
+  NormalCloud expected, out;
   SLIMProjectionSmoother<pcl::PointNormal> smoother;
   smoother.setInputCloud(cloud);
   smoother.process(expected);

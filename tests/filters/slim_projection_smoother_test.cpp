@@ -30,7 +30,7 @@ struct SmootherDoor {
 };
 
 /** An organized cloud as a camera at the origin sees it: a step in depth, holes, noise, colours. */
-pcl::PointCloud<pcl::PointXYZRGB>::Ptr cameraCloud() {
+pcl::PointCloud<pcl::PointXYZRGB>::Ptr paintedCameraCloud() {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZRGB>>(160, 120);
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0.0f, 0.002f);
@@ -98,7 +98,7 @@ TEST(SLIMProjectionSmoother, TakesNoiseAwayWithNormals) {
 }
 
 TEST(SLIMProjectionSmoother, KeepsOrderShapeHeaderAndFields) {
-  const auto cloud = cameraCloud();
+  const auto cloud = paintedCameraCloud();
   SLIMProjectionSmoother<pcl::PointXYZRGB, pcl::PointXYZRGBNormal> smoother;
   smoother.setInputCloud(cloud);
   pcl::PointCloud<pcl::PointXYZRGBNormal> out;
@@ -131,7 +131,7 @@ TEST(SLIMProjectionSmoother, KeepsOrderShapeHeaderAndFields) {
 }
 
 TEST(SLIMProjectionSmoother, OnePointPerIndexInTheirOrder) {
-  const auto cloud = cameraCloud();
+  const auto cloud = paintedCameraCloud();
   auto indices = std::make_shared<pcl::Indices>();
   for (pcl::index_t i = 12000; i >= 0; i -= 2) indices->push_back(i);
   indices->push_back(10000);  // twice

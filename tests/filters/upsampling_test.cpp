@@ -13,20 +13,20 @@
 namespace pcl_slim {
 namespace {
 
-using Cloud = pcl::PointCloud<pcl::PointXYZI>;
-using Normals = pcl::PointCloud<pcl::PointXYZINormal>;
-using Mls = pcl::MovingLeastSquares<pcl::PointXYZI, pcl::PointXYZINormal>;
-using Slim = SLIMProjectionSmoother<pcl::PointXYZI, pcl::PointXYZINormal>;
+using NumberedCloud = pcl::PointCloud<pcl::PointXYZI>;
+using NumberedNormals = pcl::PointCloud<pcl::PointXYZINormal>;
+using NumberedMls = pcl::MovingLeastSquares<pcl::PointXYZI, pcl::PointXYZINormal>;
+using NumberedSlim = SLIMProjectionSmoother<pcl::PointXYZI, pcl::PointXYZINormal>;
 
 /** The unit sphere with noise of .002, without what is above z = top; intensity is the index. */
-Cloud::Ptr sphere(std::size_t count, double top = 2.0) {
+NumberedCloud::Ptr sphere(std::size_t count, double top = 2.0) {
   const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZI>(count, 1.0, 0.002, top);
   for (std::size_t i = 0; i < cloud->size(); ++i) (*cloud)[i].intensity = static_cast<float>(i);
   return cloud;
 }
 
 /** Points are on the sphere, normals are unit and radial, fields are those of the points named. */
-void expectOnSphere(const Slim& slim, const Normals& made, double tolerance) {
+void expectOnSphere(const NumberedSlim& slim, const NumberedNormals& made, double tolerance) {
   const pcl::Indices& source = slim.getCorrespondingIndices()->indices;
   ASSERT_EQ(source.size(), made.size());
   EXPECT_EQ(made.height, 1u);
@@ -44,14 +44,14 @@ double distance(const pcl::PointXYZINormal& a, const pcl::PointXYZI& b) {
 }
 
 TEST(Upsampling, NoneGivesTheIndicesAskedFor) {
-  Slim slim;
+  NumberedSlim slim;
   slim.setInputCloud(sphere(2000));
   slim.setIndices(std::make_shared<pcl::Indices>([] {
     pcl::Indices odd;
     for (int i = 1; i < 2000; i += 2) odd.push_back(i);
     return odd;
   }()));
-  Normals made;
+  NumberedNormals made;
   slim.process(made);
   ASSERT_EQ(slim.getCorrespondingIndices()->indices.size(), 1000u);
   EXPECT_EQ(slim.getCorrespondingIndices()->indices[7], 15);
@@ -66,13 +66,13 @@ TEST(Upsampling, LocalPlanesAreSampledAsMlsSamplesThem) {
     smoother.setUpsamplingMethod(std::decay_t<decltype(smoother)>::SAMPLE_LOCAL_PLANE);
     smoother.setUpsamplingRadius(0.06);
     smoother.setUpsamplingStepSize(0.025);
-    Normals made;
+    NumberedNormals made;
     smoother.process(made);
     return made;
   };
-  Mls mls;
-  Slim slim;
-  const Normals theirs = run(mls), ours = run(slim);
+  NumberedMls mls;
+  NumberedSlim slim;
+  const NumberedNormals theirs = run(mls), ours = run(slim);
   EXPECT_EQ(ours.size(), theirs.size());
   expectOnSphere(slim, ours, 0.004);
   for (std::size_t i = 0; i < ours.size(); ++i) {
@@ -89,19 +89,19 @@ TEST(Upsampling, RandomSamplesMeetTheDensityAndRepeat) {
     smoother.setSearchRadius(0.2);
     smoother.setUpsamplingMethod(std::decay_t<decltype(smoother)>::RANDOM_UNIFORM_DENSITY);
     smoother.setPointDensity(150);
-    Normals made;
+    NumberedNormals made;
     smoother.process(made);
     return made;
   };
-  Mls mls;
-  Slim slim;
-  const Normals theirs = run(mls), ours = run(slim);
+  NumberedMls mls;
+  NumberedSlim slim;
+  const NumberedNormals theirs = run(mls), ours = run(slim);
   EXPECT_EQ(ours.size(), theirs.size());
   EXPECT_GT(ours.size(), 3 * cloud->size());
   expectOnSphere(slim, ours, 0.004);
-  Slim again;
+  NumberedSlim again;
   again.setNumberOfThreads(1);
-  const Normals repeated = run(again);
+  const NumberedNormals repeated = run(again);
   ASSERT_EQ(repeated.size(), ours.size());
   for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_EQ(repeated[i].x, ours[i].x);
 }
@@ -115,28 +115,28 @@ TEST(Upsampling, VoxelsAreThoseOfMlsAndFillAHole) {
     smoother.setUpsamplingMethod(std::decay_t<decltype(smoother)>::VOXEL_GRID_DILATION);
     smoother.setDilationVoxelSize(0.05f);
     smoother.setDilationIterations(dilations);
-    Normals made;
+    NumberedNormals made;
     smoother.process(made);
     return made;
   };
-  Mls mls;
-  Slim slim;
-  const Normals theirs = run(mls, 0), ours = run(slim, 0);
+  NumberedMls mls;
+  NumberedSlim slim;
+  const NumberedNormals theirs = run(mls, 0), ours = run(slim, 0);
   // Voxels at the edge of one are counted by rounding.
   EXPECT_NEAR(static_cast<double>(ours.size()), static_cast<double>(theirs.size()), 20);
   expectOnSphere(slim, ours, 0.01);
-  const auto inHole = [](const Normals& points) {
+  const auto inHole = [](const NumberedNormals& points) {
     return std::count_if(points.begin(), points.end(), [](const auto& p) { return p.z > 0.98f; });
   };
   EXPECT_LT(inHole(ours), 5);
-  const Normals wide = run(slim, 2);
+  const NumberedNormals wide = run(slim, 2);
   EXPECT_GT(wide.size(), ours.size());
   EXPECT_GT(inHole(wide), 20);
 }
 
 TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields) {
   const auto cloud = sphere(4000);
-  auto distinct = std::make_shared<Cloud>();
+  auto distinct = std::make_shared<NumberedCloud>();
   for (int i = 0; i < 500; ++i) {
     pcl::PointXYZI p = (*cloud)[static_cast<std::size_t>(8 * i)];
     for (float& c : {std::ref(p.x), std::ref(p.y), std::ref(p.z)}) c *= 1.01f;
@@ -145,10 +145,10 @@ TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields) {
   }
   (*distinct)[3].x = std::numeric_limits<float>::quiet_NaN();
   (*distinct)[4].x = 50.0f;  // nothing of the surface is there
-  Slim slim;
+  NumberedSlim slim;
   slim.setInputCloud(cloud);
-  slim.setUpsamplingMethod(Slim::DISTINCT_CLOUD);
-  Normals made;
+  slim.setUpsamplingMethod(NumberedSlim::DISTINCT_CLOUD);
+  NumberedNormals made;
   testing::internal::CaptureStderr();
   slim.process(made);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("setDistinctCloud"), std::string::npos);
@@ -165,27 +165,27 @@ TEST(Upsampling, ADistinctCloudTakesTheNearestPointsFields) {
 }
 
 TEST(Upsampling, ParametersOutOfRangeAreNamed) {
-  Slim slim;
+  NumberedSlim slim;
   slim.setInputCloud(sphere(200));
   const auto expect = [&](const char* words) {
-    Normals made(3, 1);
+    NumberedNormals made(3, 1);
     testing::internal::CaptureStderr();
     slim.process(made);
     testing::internal::GetCapturedStderr();
     EXPECT_TRUE(made.empty());
     EXPECT_NE(slim.getError().message.find(words), std::string::npos) << slim.getError().message;
   };
-  slim.setUpsamplingMethod(Slim::SAMPLE_LOCAL_PLANE);
+  slim.setUpsamplingMethod(NumberedSlim::SAMPLE_LOCAL_PLANE);
   expect("upsampling radius");
   slim.setUpsamplingRadius(1.0);
   expect("upsampling step");
   slim.setUpsamplingStepSize(1e-9);
   expect("too small");
-  slim.setUpsamplingMethod(Slim::RANDOM_UNIFORM_DENSITY);
+  slim.setUpsamplingMethod(NumberedSlim::RANDOM_UNIFORM_DENSITY);
   expect("search radius");
   slim.setSearchRadius(0.1);
   expect("density");
-  slim.setUpsamplingMethod(Slim::VOXEL_GRID_DILATION);
+  slim.setUpsamplingMethod(NumberedSlim::VOXEL_GRID_DILATION);
   slim.setDilationVoxelSize(1e-9f);
   expect("two million voxels");
   slim.setDilationVoxelSize(-1.0f);

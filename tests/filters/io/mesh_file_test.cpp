@@ -15,18 +15,12 @@ namespace {
 using namespace pcl_slim_test;
 using Faces = std::vector<std::uint32_t>;
 
-Result<PointFile> load(const std::string& name, const std::string& text) {
-  const TemporaryFolder folder;
-  writeText(folder / name, text);
-  return loadPointFile(folder / name);
-}
-
 TEST(ObjFile, VerticesNormalsAndFaces) {
-  const auto file = load("a.obj",
-                         "# made by hand\nmtllib a.mtl\no thing\n"
-                         "v 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 4918360.257\nvt 0 0\n"
-                         "vn 0 0 2\nvn 0 2 0\n"
-                         "f 1/1/1 2/1/1 3//1\nf -4//1 \\\n -2//2 -1//-1\n");
+  const auto file = loadText("a.obj",
+                             "# made by hand\nmtllib a.mtl\no thing\n"
+                             "v 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 4918360.257\nvt 0 0\n"
+                             "vn 0 0 2\nvn 0 2 0\n"
+                             "f 1/1/1 2/1/1 3//1\nf -4//1 \\\n -2//2 -1//-1\n");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(numPoints(file->cloud), 4u);
   EXPECT_EQ(value(*file, "z", 3), 4918360.257);
@@ -39,7 +33,7 @@ TEST(ObjFile, VerticesNormalsAndFaces) {
 }
 
 TEST(ObjFile, ColoursAndNormalsWithoutFaces) {
-  const auto file = load("a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 1\nvn 1 0 0\nvn 0 1 0\n");
+  const auto file = loadText("a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 1\nvn 1 0 0\nvn 0 1 0\n");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(value(*file, "normal_x", 0), 1);
   EXPECT_EQ(value(*file, "normal_y", 1), 1);
@@ -51,11 +45,11 @@ TEST(ObjFile, ColoursAndNormalsWithoutFaces) {
 
 TEST(StlFile, TextAndBytesJoinTheirCorners) {
   const std::string facet = "facet normal 0 0 1\nouter loop\n";
-  const auto text =
-      load("a.stl", "solid two\n" + facet +
-                        "vertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n" + facet +
-                        "vertex -0 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\n"
-                        "endsolid two\n");
+  const auto text = loadText(
+      "a.stl", "solid two\n" + facet +
+                   "vertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n" + facet +
+                   "vertex -0 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\n"
+                   "endsolid two\n");
   ASSERT_TRUE(text) << text.error().message;
   EXPECT_EQ(numPoints(text->cloud), 4u);
   EXPECT_EQ(text->face_vertices, (Faces{0, 1, 2, 0, 2, 3}));
@@ -75,17 +69,17 @@ TEST(StlFile, TextAndBytesJoinTheirCorners) {
 
 TEST(OffFile, AllFourKinds) {
   const auto plain =
-      load("a.off", "OFF # comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0.5\n3 0 1 2 255 0 0\n");
+      loadText("a.off", "OFF # comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0.5\n3 0 1 2 255 0 0\n");
   ASSERT_TRUE(plain) << plain.error().message;
   EXPECT_EQ(value(*plain, "z", 2), 0.5);
   EXPECT_EQ(plain->face_vertices, (Faces{0, 1, 2}));
   EXPECT_EQ(plain->left_out.size(), 1u);
-  const auto colored = load("a.off", "COFF 1 0 0\n1 2 3 255 128 0 255\n");
+  const auto colored = loadText("a.off", "COFF 1 0 0\n1 2 3 255 128 0 255\n");
   ASSERT_TRUE(colored) << colored.error().message;
-  const auto real = load("a.off", "COFF\n1 0 0\n1 2 3 1.0 0.5 0.0 1.0\n");
+  const auto real = loadText("a.off", "COFF\n1 0 0\n1 2 3 1.0 0.5 0.0 1.0\n");
   ASSERT_TRUE(real) << real.error().message;
   EXPECT_EQ(colored->cloud.data, real->cloud.data);
-  const auto normals = load("a.off", "CNOFF\n1 0 0\n1 2 3 0 0 1 9 8 7\n");
+  const auto normals = loadText("a.off", "CNOFF\n1 0 0\n1 2 3 0 0 1 9 8 7\n");
   ASSERT_TRUE(normals) << normals.error().message;
   EXPECT_EQ(value(*normals, "normal_z", 0), 1);
   EXPECT_GE(findField(normals->cloud, "rgb"), 0);
@@ -114,7 +108,7 @@ TEST(MeshFiles, DefectsAreNamedInOneLine) {
       {"h.off", "OFF\n4294967294 4294967294 0\n0 0 0\n"},
   };
   for (const auto& [name, text] : cases) {
-    const auto file = load(name, text);
+    const auto file = loadText(name, text);
     ASSERT_FALSE(file) << name;
     EXPECT_NE(file.error().message.find(name), std::string::npos);
     EXPECT_EQ(file.error().message.find('\n'), std::string::npos) << file.error().message;

@@ -31,7 +31,7 @@ TriangleMesh tetrahedron(double shift) {
   return mesh;
 }
 
-std::string bytesOf(const std::string& path) {
+std::string textOf(const std::string& path) {
   const auto bytes = readFile(path);
   EXPECT_TRUE(bytes);
   return bytes ? std::string(bytes->begin(), bytes->end()) : "";
@@ -55,7 +55,7 @@ TEST(MeshFiles, PlyKeepsEverything) {
   EXPECT_EQ(value("k1", 3), 3.5);
   EXPECT_EQ(value("k2", 0), -1);
   EXPECT_EQ(file->face_vertices, (std::vector<std::uint32_t>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}));
-  const std::string header = bytesOf(path);
+  const std::string header = textOf(path);
   EXPECT_NE(header.find("property uchar red"), std::string::npos);
   // PCL reads it too, colours included.
   pcl::PolygonMesh mesh;
@@ -75,13 +75,13 @@ TEST(MeshFiles, LargeCoordinatesStayExactWhereTheFormatCan) {
   EXPECT_EQ(file->cloud.fields[0].datatype, kFloat64);
   EXPECT_EQ(fieldValue(file->cloud, 1, file->cloud.fields[0]), 4918341.125);
   ASSERT_FALSE(saveMesh((folder / "mesh.obj"), mesh));
-  EXPECT_NE(bytesOf((folder / "mesh.obj")).find("v 4918341.125 0 0"), std::string::npos);
+  EXPECT_NE(textOf((folder / "mesh.obj")).find("v 4918341.125 0 0"), std::string::npos);
 }
 
 TEST(MeshFiles, ObjHasPositionsColoursNormalsAndFaces) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.OBJ"), tetrahedron(0)));
-  std::istringstream text(bytesOf((folder / "mesh.OBJ")));
+  std::istringstream text(textOf((folder / "mesh.OBJ")));
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 12u);
@@ -93,7 +93,7 @@ TEST(MeshFiles, ObjHasPositionsColoursNormalsAndFaces) {
 TEST(MeshFiles, StlHasTheTriangles) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.stl"), tetrahedron(0)));
-  const std::string bytes = bytesOf((folder / "mesh.stl"));
+  const std::string bytes = textOf((folder / "mesh.stl"));
   ASSERT_EQ(bytes.size(), 84u + 4 * 50);
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, 4);
@@ -107,7 +107,7 @@ TEST(MeshFiles, StlHasTheTriangles) {
 TEST(MeshFiles, GlbIsWhatItsHeaderSays) {
   const pcl_slim_test::TemporaryFolder folder;
   ASSERT_FALSE(saveMesh((folder / "mesh.glb"), tetrahedron(100)));
-  const std::string bytes = bytesOf((folder / "mesh.glb"));
+  const std::string bytes = textOf((folder / "mesh.glb"));
   ASSERT_GT(bytes.size(), 20u);
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
   std::uint32_t words[5];

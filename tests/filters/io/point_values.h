@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <cstddef>
+#include <string>
 
 #include "pcl_slim/filters/io/point_file.h"
+#include "support/temporary_folder.h"
 
 namespace pcl_slim_test {
 
@@ -17,6 +19,14 @@ inline double value(const pcl_slim::PointFile& file, const char* name, std::size
   return field < 0 ? NAN
                    : pcl_slim::fieldValue(file.cloud, point,
                                           file.cloud.fields[static_cast<std::size_t>(field)]);
+}
+
+/** A file of a text, read: its name tells the format. */
+inline pcl_slim::Result<pcl_slim::PointFile> loadText(const std::string& name,
+                                                      const std::string& text) {
+  const TemporaryFolder folder;
+  writeText(folder / name, text);
+  return pcl_slim::loadPointFile(folder / name);
 }
 
 }  // namespace pcl_slim_test

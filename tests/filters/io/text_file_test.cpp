@@ -6,21 +6,14 @@
 
 #include "filters/io/point_values.h"
 #include "pcl_slim/filters/io/point_file.h"
-#include "support/temporary_folder.h"
 
 namespace pcl_slim {
 namespace {
 
 using namespace pcl_slim_test;
 
-Result<PointFile> load(const std::string& name, const std::string& text) {
-  const TemporaryFolder folder;
-  writeText(folder / name, text);
-  return loadPointFile(folder / name);
-}
-
 std::string columnsOf(const std::string& name, const std::string& text) {
-  const auto file = load(name, text);
+  const auto file = loadText(name, text);
   return file ? file->columns.substr(0, file->columns.find(',')) : file.error().message;
 }
 
@@ -59,33 +52,33 @@ TEST(TextFile, ColumnsAreNamedByTheFile) {
       {"x y z a a\n1 2 3 4 5\n", "x y z alpha a"},
   };
   for (const auto& [text, columns] : cases) EXPECT_EQ(columnsOf("a.csv", text), columns) << text;
-  const auto swapped = load("a.txt", "z y x\n1 2 3\n");
+  const auto swapped = loadText("a.txt", "z y x\n1 2 3\n");
   ASSERT_TRUE(swapped);
   EXPECT_EQ(value(*swapped, "x", 0), 3);
   EXPECT_NE(swapped->columns.find("as the file names them"), std::string::npos);
 }
 
 TEST(TextFile, FloatsWhereTheyHoldEveryDigit) {
-  const auto near = load("a.xyz", "0.123456 1 -2.5\n1e-3 7 3\n");
+  const auto near = loadText("a.xyz", "0.123456 1 -2.5\n1e-3 7 3\n");
   ASSERT_TRUE(near);
   EXPECT_EQ(typeOf(*near, "x"), kFloat32);
-  const auto far = load("a.xyz", "4918360.257 1 -2.5\n1 7 3\n");
+  const auto far = loadText("a.xyz", "4918360.257 1 -2.5\n1 7 3\n");
   ASSERT_TRUE(far);
   EXPECT_EQ(typeOf(*far, "y"), kFloat64);
   EXPECT_EQ(value(*far, "x", 0), 4918360.257);
-  const auto fine = load("a.txt", "0.12345678901 1 2 16777217\n");
+  const auto fine = loadText("a.txt", "0.12345678901 1 2 16777217\n");
   ASSERT_TRUE(fine);
   EXPECT_EQ(value(*fine, "x", 0), 0.12345678901);
   EXPECT_EQ(value(*fine, "intensity", 0), 16777217);
 }
 
 TEST(TextFile, ColoursArePacked) {
-  const auto bytes = load("a.txt", "1 2 3 16 32 255\n");
+  const auto bytes = loadText("a.txt", "1 2 3 16 32 255\n");
   ASSERT_TRUE(bytes);
   const auto& rgb = bytes->cloud.fields[static_cast<std::size_t>(findField(bytes->cloud, "rgb"))];
   EXPECT_EQ(bytes->cloud.data[rgb.offset + 2], 16);
   EXPECT_EQ(bytes->cloud.data[rgb.offset], 255);
-  const auto wide = load("a.csv", "x,y,z,red,green,blue\n1,2,3,65535,0,300\n");
+  const auto wide = loadText("a.csv", "x,y,z,red,green,blue\n1,2,3,65535,0,300\n");
   ASSERT_TRUE(wide);
   EXPECT_EQ(typeOf(*wide, "red"), kUInt16);
   EXPECT_EQ(value(*wide, "red", 0), 65535);
@@ -93,7 +86,7 @@ TEST(TextFile, ColoursArePacked) {
 
 TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds) {
   const auto file =
-      load("a.csv", "\xef\xbb\xbfx,y,z,name,q\r\n1,2,3,tree,\r\n4,5,nan,road,7\r\n\r\n");
+      loadText("a.csv", "\xef\xbb\xbfx,y,z,name,q\r\n1,2,3,tree,\r\n4,5,nan,road,7\r\n\r\n");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(numPoints(file->cloud), 2u);
   EXPECT_TRUE(std::isnan(value(*file, "q", 0)));
@@ -102,7 +95,7 @@ TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds) {
   EXPECT_EQ(findField(file->cloud, "name"), -1);
   ASSERT_EQ(file->left_out.size(), 1u);
   EXPECT_NE(file->left_out[0].find("'name'"), std::string::npos);
-  const auto last = load("a.xyz", "+1 2 3\n4 5 -6e-1");
+  const auto last = loadText("a.xyz", "+1 2 3\n4 5 -6e-1");
   ASSERT_TRUE(last) << last.error().message;
   EXPECT_FLOAT_EQ(static_cast<float>(value(*last, "z", 1)), -0.6f);
 }
@@ -117,12 +110,12 @@ TEST(TextFile, TheLineAtFaultIsNamed) {
       {"C 0 0 0\n", "no points"},
   };
   for (const auto& [text, words] : cases) {
-    const auto file = load("a.txt", text);
+    const auto file = loadText("a.txt", text);
     ASSERT_FALSE(file) << text;
     EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
     EXPECT_EQ(file.error().message.find('\n'), std::string::npos);
   }
-  const auto zeros = load("a.csv", std::string("1 2 3\0 4\n", 9));
+  const auto zeros = loadText("a.csv", std::string("1 2 3\0 4\n", 9));
   ASSERT_FALSE(zeros);
   EXPECT_NE(zeros.error().message.find("no text"), std::string::npos);
 }

@@ -56,7 +56,7 @@ const std::vector<Column> kAllTypes = {
     {"normal_y", kFloat32, 1}, {"normal_z", kFloat32, 1}, {"rgba", kUInt32, 1},
     {"fpfh", kFloat32, 33}};
 
-std::vector<std::uint8_t> bytesOf(const PointTable& cloud, const std::string& name) {
+std::vector<std::uint8_t> fieldBytes(const PointTable& cloud, const std::string& name) {
   std::vector<std::uint8_t> bytes;
   const PointField& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
   const std::size_t size = scalarSize(field.datatype) * field.count;
@@ -67,7 +67,7 @@ std::vector<std::uint8_t> bytesOf(const PointTable& cloud, const std::string& na
   return bytes;
 }
 
-std::vector<std::uint8_t> bytesOf(vtkDataArray* array) {
+std::vector<std::uint8_t> fieldBytes(vtkDataArray* array) {
   const auto* at = static_cast<const std::uint8_t*>(array->GetVoidPointer(0));
   const auto count = array->GetNumberOfValues() * array->GetDataTypeSize();
   return {at, at + count};
@@ -77,7 +77,7 @@ std::vector<std::uint8_t> bytesOf(vtkDataArray* array) {
 std::vector<std::uint8_t> tripleBytes(const PointTable& cloud, const char* const (&names)[3],
                                       std::size_t size) {
   std::vector<std::uint8_t> bytes, part[3];
-  for (int k = 0; k < 3; ++k) part[k] = bytesOf(cloud, names[k]);
+  for (int k = 0; k < 3; ++k) part[k] = fieldBytes(cloud, names[k]);
   for (std::size_t i = 0; i < numPoints(cloud); ++i) {
     for (const auto& p : part) bytes.insert(bytes.end(), &p[i * size], &p[i * size] + size);
   }
@@ -98,15 +98,15 @@ TEST(VtpPoints, VtkReadsEveryValue) {
   const auto data = readByVtk(folder / "a.vtp");
   ASSERT_EQ(data->GetNumberOfPoints(), 300);
   const PointTable& cloud = file.cloud;
-  EXPECT_EQ(bytesOf(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 8));
+  EXPECT_EQ(fieldBytes(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 8));
   vtkPointData* const point = data->GetPointData();
   ASSERT_NE(point->GetNormals(), nullptr);
   EXPECT_STREQ(point->GetNormals()->GetName(), "Normals");
-  EXPECT_EQ(bytesOf(point->GetNormals()),
+  EXPECT_EQ(fieldBytes(point->GetNormals()),
             tripleBytes(cloud, {"normal_x", "normal_y", "normal_z"}, 4));
   for (const char* name : {"label", "i8", "u8", "i16", "u16", "i32", "i64", "u64", "fpfh"}) {
     ASSERT_NE(point->GetArray(name), nullptr) << name;
-    EXPECT_EQ(bytesOf(point->GetArray(name)), bytesOf(cloud, name)) << name;
+    EXPECT_EQ(fieldBytes(point->GetArray(name)), fieldBytes(cloud, name)) << name;
   }
   EXPECT_EQ(point->GetNumberOfArrays(), 12);
 }
@@ -117,8 +117,8 @@ TEST(VtpPoints, PackedColoursAreBytes) {
   ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
   const auto data = readByVtk(folder / "a.vtp");
   vtkPointData* const point = data->GetPointData();
-  const auto packed = bytesOf(file.cloud, "rgba");
-  const auto rgb = bytesOf(point->GetArray("RGB")), alpha = bytesOf(point->GetArray("alpha"));
+  const auto packed = fieldBytes(file.cloud, "rgba");
+  const auto rgb = fieldBytes(point->GetArray("RGB")), alpha = fieldBytes(point->GetArray("alpha"));
   ASSERT_EQ(rgb.size(), 900u);
   EXPECT_EQ(point->GetScalars(), point->GetArray("RGB"));
   for (std::size_t i = 0; i < 300; ++i) {
@@ -142,7 +142,8 @@ TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount) {
     ASSERT_GE(i, 0) << field.name;
     EXPECT_EQ(read->cloud.fields[static_cast<std::size_t>(i)].datatype, field.datatype);
     EXPECT_EQ(read->cloud.fields[static_cast<std::size_t>(i)].count, field.count);
-    EXPECT_EQ(bytesOf(read->cloud, field.name), bytesOf(file.cloud, field.name)) << field.name;
+    EXPECT_EQ(fieldBytes(read->cloud, field.name), fieldBytes(file.cloud, field.name))
+        << field.name;
   }
   // Coordinates come first; the other fields keep their order. Then nothing changes any more.
   ASSERT_FALSE(savePointFile(folder / "b.vtp", *read));
@@ -167,14 +168,14 @@ TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell) {
   const auto data = readByVtk(folder / "a.vtp");
   EXPECT_EQ(data->GetNumberOfPoints(), 60);
   EXPECT_EQ(data->GetNumberOfVerts(), 48);
-  EXPECT_EQ(bytesOf(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 4));
+  EXPECT_EQ(fieldBytes(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 4));
   double bounds[6];
   data->GetCellsBounds(bounds);
   EXPECT_EQ(bounds[0], 0.0);
   EXPECT_EQ(bounds[1], 59.0);
   const auto read = loadPointFile(folder / "a.vtp");
   ASSERT_TRUE(read);
-  EXPECT_EQ(bytesOf(read->cloud, "y"), bytesOf(cloud, "y"));
+  EXPECT_EQ(fieldBytes(read->cloud, "y"), fieldBytes(cloud, "y"));
 }
 
 TEST(VtpPoints, FacesArePolygons) {
@@ -211,9 +212,9 @@ TEST(VtpPoints, ATakenNameGrows) {
   const auto data = readByVtk(folder / "a.vtp");
   vtkPointData* const point = data->GetPointData();
   EXPECT_EQ(point->GetNumberOfArrays(), 5);
-  EXPECT_EQ(bytesOf(point->GetArray("alpha_")), bytesOf(file.cloud, "alpha"));
-  EXPECT_EQ(bytesOf(point->GetArray("rgba")), bytesOf(file.cloud, "rgba"));
-  EXPECT_EQ(bytesOf(point->GetArray("normal_x")), bytesOf(file.cloud, "normal_x"));
+  EXPECT_EQ(fieldBytes(point->GetArray("alpha_")), fieldBytes(file.cloud, "alpha"));
+  EXPECT_EQ(fieldBytes(point->GetArray("rgba")), fieldBytes(file.cloud, "rgba"));
+  EXPECT_EQ(fieldBytes(point->GetArray("normal_x")), fieldBytes(file.cloud, "normal_x"));
   for (vtkIdType i = 0; i < 50; ++i) {
     for (int k = 0; k < 2; ++k) {
       const auto p = static_cast<std::size_t>(i);

@@ -83,7 +83,7 @@ Frames framesOf(const char* solids, const measure::DepthCamera& camera, int coun
   return frames;
 }
 
-NoiseLevel recognized(const PointStore& store, int threads = 1) {
+NoiseLevel recognizedInFrames(const PointStore& store, int threads = 1) {
   const detail::NoiseConstants constants;
   return recognizeFrameNoise(store, measureNoise(store, constants, threads), constants, threads);
 }
@@ -101,29 +101,30 @@ TEST(FrameNoise, IsThatOfItsFrames) {
       Frames last;
       last.add(frameOf(solids, wideWindows(), count - 1), 0);
       const PointStore alone = last.store();
-      const NoiseLevel noise = recognized(alone);
+      const NoiseLevel noise = recognizedInFrames(alone);
       EXPECT_EQ(noise.frames, 0U) << "one place is no merged cloud";
       variance += alone.scale() * alone.scale() * noise.variance;
       correlation += noise.correlation;
       if (count == 1) continue;
       const PointStore merged = framesOf(solids, wideWindows(), count).store();
-      const NoiseLevel found = recognized(merged);
+      const NoiseLevel found = recognizedInFrames(merged);
       EXPECT_EQ(found.frames, static_cast<std::size_t>(count));
       const double rms = merged.scale() * std::sqrt(found.variance);
       EXPECT_NEAR(rms / std::sqrt(variance / count), 1, 0.1) << solids << count;
       EXPECT_NEAR(found.correlation / (correlation / count), 1, 0.2) << solids << count;
       const PointStore unseen = storeOf(framesOf(solids, wideWindows(), count).cloud);
-      EXPECT_LT(recognized(unseen).correlation, 0.75 * found.correlation) << solids << count;
+      EXPECT_LT(recognizedInFrames(unseen).correlation, 0.75 * found.correlation)
+          << solids << count;
     }
   }
 }
 
 TEST(FrameNoise, NumbersSayTheSameAsSensors) {
   const Frames frames = framesOf("room", wideWindows(), 3);
-  const NoiseLevel seen = recognized(frames.store());
+  const NoiseLevel seen = recognizedInFrames(frames.store());
   for (const PointStore& store :
        {frames.store(1, Known::kNumbers), frames.shuffled().store(1, Known::kNumbers)}) {
-    const NoiseLevel numbered = recognized(store);
+    const NoiseLevel numbered = recognizedInFrames(store);
     EXPECT_EQ(numbered.frames, 3U);
     EXPECT_EQ(numbered.variance, seen.variance);
     EXPECT_EQ(numbered.correlation, seen.correlation);
@@ -133,11 +134,11 @@ TEST(FrameNoise, NumbersSayTheSameAsSensors) {
 TEST(FrameNoise, NumbersSeparateTheFramesOfOnePlace) {
   Frames frames;
   for (int i = 0; i < 2; ++i) frames.add(frameOf("room", wideWindows(), i), 0);
-  const double one = recognized(framesOf("room", wideWindows(), 1).store()).correlation;
-  const NoiseLevel seen = recognized(frames.store());
+  const double one = recognizedInFrames(framesOf("room", wideWindows(), 1).store()).correlation;
+  const NoiseLevel seen = recognizedInFrames(frames.store());
   EXPECT_EQ(seen.frames, 0U) << "one place: one frame";
   EXPECT_LT(seen.correlation, 0.75 * one);
-  const NoiseLevel numbered = recognized(frames.store(1, Known::kNumbers));
+  const NoiseLevel numbered = recognizedInFrames(frames.store(1, Known::kNumbers));
   EXPECT_EQ(numbered.frames, 2U);
   EXPECT_NEAR(numbered.correlation / one, 1, 0.2);
 }
@@ -160,9 +161,9 @@ TEST(FrameNoise, NumbersStayWithTheirPoints) {
 
 TEST(FrameNoise, DoesNotDependOnOrderOrThreads) {
   const Frames frames = framesOf("hall", wideWindows(), 2);
-  const NoiseLevel noise = recognized(frames.store());
+  const NoiseLevel noise = recognizedInFrames(frames.store());
   for (const NoiseLevel& other :
-       {recognized(frames.shuffled().store()), recognized(frames.store(3), 3)}) {
+       {recognizedInFrames(frames.shuffled().store()), recognizedInFrames(frames.store(3), 3)}) {
     EXPECT_EQ(other.variance, noise.variance);
     EXPECT_EQ(other.correlation, noise.correlation);
     EXPECT_EQ(other.neighbors, noise.neighbors);
@@ -173,8 +174,8 @@ TEST(FrameNoise, FramesThatRoundAlikeShareTheirErrors) {
   measure::DepthCamera camera;
   camera.sigma = 0;
   camera.step = 0.125;
-  const NoiseLevel one = recognized(framesOf("room", camera, 1).store());
-  const NoiseLevel two = recognized(framesOf("room", camera, 2).store());
+  const NoiseLevel one = recognizedInFrames(framesOf("room", camera, 1).store());
+  const NoiseLevel two = recognizedInFrames(framesOf("room", camera, 2).store());
   EXPECT_NEAR(two.correlation / one.correlation, 2, 0.4);
 }
 
@@ -182,7 +183,7 @@ TEST(FrameNoise, WhiteNoiseIsThatOfAllPoints) {
   const measure::DepthCamera camera;
   const PointStore store = framesOf("room", camera, 2).store();
   const detail::NoiseConstants constants;
-  const NoiseLevel white = measureNoise(store, constants, 1), found = recognized(store);
+  const NoiseLevel white = measureNoise(store, constants, 1), found = recognizedInFrames(store);
   EXPECT_EQ(found.frames, 0U);
   EXPECT_EQ(found.variance, recognizeSharedNoise(store, white, constants, 1).variance);
 }
@@ -193,7 +194,7 @@ TEST(FrameNoise, APlaceForEveryPointIsNoFrame) {
   std::normal_distribution<double> normal(0, 0.01);
   for (int i = 0; i < 20000; ++i)
     path.add({0.01 * (i % 200), 0.01 * (i / 200), normal(random)}, {1e-4 * i, 1, 3}, 0);
-  EXPECT_EQ(recognized(path.store()).frames, 0U);
+  EXPECT_EQ(recognizedInFrames(path.store()).frames, 0U);
 }
 
 /** A plate two spacings thick: its upper face is seen from above, its lower one from another

@@ -15,8 +15,6 @@ namespace {
 
 using namespace pcl_slim_test;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 /** Coordinate of a Morton code's cell: every third bit from the one given on. */
 double cellOf(std::uint64_t key, int axis) {
   std::uint64_t cell = 0;
@@ -129,7 +127,9 @@ TEST(PointStore, FloatAndDoubleInputAgree) {
 
 TEST(PointStore, IsTheSameForAnyNumberOfThreads) {
   Cloud cloud = surveyCloud(80000);
-  for (std::size_t i = 0; i < 80000; i += 13) cloud.points[3 * i + 1] = kNan;
+  for (std::size_t i = 0; i < 80000; i += 13) {
+    cloud.points[3 * i + 1] = std::numeric_limits<double>::quiet_NaN();
+  }
   for (std::size_t i = 40000; i < 60000; ++i) cloud.points[3 * i] = cloud.points[3 * (i - 40000)];
   for (std::size_t i = 40001; i < 60000; i += 2) {
     for (std::size_t a = 1; a < 3; ++a) cloud.points[3 * i + a] = cloud.points[3 * (i - 40000) + a];

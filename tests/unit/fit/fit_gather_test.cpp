@@ -19,16 +19,16 @@ using namespace pcl_slim_test;
 constexpr float kUntouched = -7.0f;
 
 /** A ball about a stored point, its blocks, and which points lie in it by double arithmetic. */
-struct TestBall {
+struct GatheredBall {
   BallQuery query;
   BlockList blocks;
   std::vector<std::size_t> inside, bounded;
   bool clear = true;  ///< no point is so near a limit that rounding decides
 };
 
-TestBall ballAt(const PointStore& store, std::size_t i, float radius,
-                const std::array<float, 3>* bound, float min_dot) {
-  TestBall ball;
+GatheredBall ballAt(const PointStore& store, std::size_t i, float radius,
+                    const std::array<float, 3>* bound, float min_dot) {
+  GatheredBall ball;
   const auto p = store.position(i);
   for (std::size_t a = 0; a < 3; ++a) ball.query.center[a] = static_cast<float>(p[a]);
   ball.query.radius = radius;
@@ -74,7 +74,7 @@ class FitGather : public testing::Test {
       const std::size_t i = pick(random);
       const auto bound = with_normals_.normal(i);
       const float radius = 0.004f * static_cast<float>(1 + trial);
-      const TestBall ball =
+      const GatheredBall ball =
           ballAt(store, i, radius, trial % 3 == 0 ? nullptr : &bound, trial % 3 == 1 ? 0.0f : 0.5f);
       if (!ball.clear) continue;
       ++tested;
@@ -88,7 +88,7 @@ class FitGather : public testing::Test {
 };
 
 TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums) {
-  forEachBall([](const PointStore& store, const TestBall& ball) {
+  forEachBall([](const PointStore& store, const GatheredBall& ball) {
     BallBuffer buffer;
     BallSums sums;
     kernels::gatherBall(store, ball.blocks, ball.query, true, buffer, sums);
@@ -124,7 +124,7 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums) {
 }
 
 TEST_F(FitGather, TurnsOffsetsIntoTheFrame) {
-  forEachBall([](const PointStore& store, const TestBall& ball) {
+  forEachBall([](const PointStore& store, const GatheredBall& ball) {
     BallBuffer buffer;
     BallSums sums;
     kernels::gatherBall(store, ball.blocks, ball.query, false, buffer, sums);
@@ -148,7 +148,7 @@ TEST_F(FitGather, TurnsOffsetsIntoTheFrame) {
 }
 
 TEST_F(FitGather, MarksOnlyThePointsOfTheBall) {
-  forEachBall([](const PointStore& store, const TestBall& ball) {
+  forEachBall([](const PointStore& store, const GatheredBall& ball) {
     std::vector<std::uint8_t> marks(store.numBlocks() * PointStore::kBlock, 8), expected = marks;
     for (const std::size_t i : ball.bounded) expected[i] = 9;
     kernels::markPoints(store, ball.blocks, ball.query, 1, marks.data());
@@ -160,7 +160,7 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface) {
   for (const WeightKernel kernel : {WeightKernel::kPower7, WeightKernel::kGaussian}) {
     for (int degree = 1; degree <= kMaxDegree; ++degree) {
       const bool to_foot = degree % 2 == 0;
-      forEachBall([&](const PointStore& store, const TestBall& ball) {
+      forEachBall([&](const PointStore& store, const GatheredBall& ball) {
         std::array<float, kMaxCoefficients> c{};
         for (std::size_t k = 0; k < static_cast<std::size_t>(numCoefficients(degree)); ++k) {
           c[k] = 0.05f * static_cast<float>(k % 4) - 0.07f;

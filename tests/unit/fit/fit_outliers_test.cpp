@@ -13,11 +13,11 @@ namespace {
 using namespace pcl_slim_test;
 using measure::Shape;
 
-constexpr double kNoise = 0.002;  ///< [L]
+constexpr double kTorusNoise = 0.002;  ///< [L]
 
 /** A torus, and points spread evenly over the box about it. */
 Cloud torusAmongOutliers(double share) {
-  Cloud cloud = sceneCloud(Shape::kTorus, 30000, kNoise).withoutNormals();
+  Cloud cloud = sceneCloud(Shape::kTorus, 30000, kTorusNoise).withoutNormals();
   double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {

@@ -14,7 +14,7 @@
 namespace pcl_slim {
 namespace {
 
-constexpr double kRadius = 40, kGolden = 0.6180339887498949;
+constexpr double kSphereRadius = 40, kGolden = 0.6180339887498949;
 constexpr std::size_t kPoints = 4000;
 const Vector3 kMiddle = {5000, -300, 20};
 
@@ -28,10 +28,10 @@ pcl_slim_test::Cloud sphereBetweenStrangers() {
     const double turn = 2 * M_PI * std::fmod(static_cast<double>(i) * kGolden, 1.0);
     const double level = std::sqrt(1 - z * z);
     const Vector3 direction = {level * std::cos(turn), level * std::sin(turn), z};
-    const Vector3 p = along(kMiddle, kRadius, direction);
+    const Vector3 p = along(kMiddle, kSphereRadius, direction);
     cloud.add(p[0], p[1], p[2]);
   }
-  cloud.add(kMiddle[0] + 1e5 * kRadius, 0, 0);
+  cloud.add(kMiddle[0] + 1e5 * kSphereRadius, 0, 0);
   return cloud;
 }
 
@@ -62,11 +62,11 @@ TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud) {
     ASSERT_TRUE(projected->isSupported(i)) << i;
     const ProjectedPoint point = projected->point(i);
     const Vector3 ray = subtract(point.position, kMiddle);
-    EXPECT_NEAR(length(ray), kRadius, 1e-4 * kRadius) << i;
+    EXPECT_NEAR(length(ray), kSphereRadius, 1e-4 * kSphereRadius) << i;
     // The spacing is sqrt(4 pi / 4000) of the radius: no other point is as near.
     const Vector3 given = {cloud.points[3 * i], cloud.points[3 * i + 1], cloud.points[3 * i + 2]};
-    EXPECT_LT(length(subtract(point.position, given)), 1e-3 * kRadius) << i;
-    EXPECT_NEAR(point.mean_curvature, 1 / kRadius, 1e-2 / kRadius) << i;
+    EXPECT_LT(length(subtract(point.position, given)), 1e-3 * kSphereRadius) << i;
+    EXPECT_NEAR(point.mean_curvature, 1 / kSphereRadius, 1e-2 / kSphereRadius) << i;
   }
 }
 
@@ -87,7 +87,7 @@ TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores) {
   const auto projected = CloudProjection::make(cloud.view(), surface, params, nullptr, &*store);
   ASSERT_TRUE(projected) << projected.error().message;
   EXPECT_EQ(projected->statistics().moved, kPoints);
-  EXPECT_LT(projected->statistics().max_displacement, 1e-3 * kRadius);
+  EXPECT_LT(projected->statistics().max_displacement, 1e-3 * kSphereRadius);
 }
 
 TEST(CloudProjection, RefusesASurfaceOfAnotherCloud) {

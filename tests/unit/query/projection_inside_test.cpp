@@ -12,7 +12,7 @@ namespace {
 
 using namespace pcl_slim_test;
 
-constexpr float kRadius = 0.2f;
+constexpr float kLeafRadius = 0.2f;
 
 /** Level leaves about the store's origin, turned about z in steps: some open, some closed. */
 SLIMSurface levelLeaves(const PointStore& store, std::size_t count) {
@@ -26,7 +26,7 @@ SLIMSurface levelLeaves(const PointStore& store, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     surface.cx[i] = 0.02f * static_cast<float>(i);
     surface.nz[i] = i % 2 == 0 ? 1.0f : -1.0f;
-    surface.radius[i] = kRadius;
+    surface.radius[i] = kLeafRadius;
     surface.degree[i] = 1;
     surface.flags[i] = kSurfelLeaf;
   }
@@ -39,7 +39,7 @@ double outsideOf(const SLIMSurface& surface, double x, double y) {
   double weight = 0.0, outside = 0.0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
-    const double dx = (x - surface.cx[i]) / kRadius, dy = (y - surface.cy[i]) / kRadius;
+    const double dx = (x - surface.cx[i]) / kLeafRadius, dy = (y - surface.cy[i]) / kLeafRadius;
     const double w = evaluateKernel(surface.info.blend_kernel, dx * dx + dy * dy);
     weight += w;
     outside += w * outsideShare(surface.trimMap(i), dx * frame.u[0] + dy * frame.u[1],

@@ -18,6 +18,7 @@
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 #include "support/temporary_folder.h"
+#include "unit/stream/small_tiles.h"
 
 namespace {
 
@@ -68,13 +69,6 @@ class ThreadRanks : public Ranks {
   Board& board_;
   std::size_t rank_, size_;
 };
-
-StreamParams smallTiles() {
-  StreamParams params;
-  params.tile_points = 20000;
-  params.fit.threads = 1;
-  return params;
-}
 
 /** What a fit on ranks made and sent. */
 struct Made {

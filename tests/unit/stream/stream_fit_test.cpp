@@ -11,6 +11,7 @@
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 #include "support/temporary_folder.h"
+#include "unit/stream/small_tiles.h"
 
 namespace {
 
@@ -21,13 +22,6 @@ constexpr measure::Shape kShape = measure::Shape::kTorus;
 
 Cloud torus(std::size_t count = 200000, double noise = 0.004) {
   return sceneCloud(kShape, count, noise).withoutNormals();
-}
-
-StreamParams smallTiles(int threads = 1) {
-  StreamParams params;
-  params.tile_points = 20000;
-  params.fit.threads = threads;
-  return params;
 }
 
 SLIMSurface byTiles(const Cloud& cloud, const StreamParams& params,

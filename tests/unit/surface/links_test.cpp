@@ -13,7 +13,7 @@ namespace {
 
 using measure::Shape;
 
-double distanceSq(const SLIMSurface& s, std::size_t a, std::size_t b) {
+double centerDistanceSq(const SLIMSurface& s, std::size_t a, std::size_t b) {
   return std::pow(double(s.cx[a]) - s.cx[b], 2) + std::pow(double(s.cy[a]) - s.cy[b], 2) +
          std::pow(double(s.cz[a]) - s.cz[b], 2);
 }
@@ -32,7 +32,7 @@ void expectLinks(const SLIMSurface& s) {
     ASSERT_EQ(linked.size(), s.child_begin[i + 1] - s.child_begin[i]);
     for (std::uint32_t j = 0; j < s.size(); ++j) {
       const bool finer = !s.isLeaf(i) && s.level[j] == s.level[i] + 1;
-      const double slack = distanceSq(s, i, j) / (double(s.radius[i]) * s.radius[i]) - 1.0;
+      const double slack = centerDistanceSq(s, i, j) / (double(s.radius[i]) * s.radius[i]) - 1.0;
       if (finer && std::abs(slack) < 1e-5) continue;  // rounding decides
       ASSERT_EQ(linked.count(j), finer && slack < 0 ? 1u : 0u) << i << " -> " << j;
     }

@@ -82,7 +82,7 @@ double meanSlopeSq(const BallBuffer& ball, int degree, double rho, WeightKernel 
 }
 
 /** The same fit in double by QR: coefficients, e^2 and n_eff. */
-LocalFit reference(const BallBuffer& ball, int degree, double rho, WeightKernel kernel) {
+LocalFit referenceFit(const BallBuffer& ball, int degree, double rho, WeightKernel kernel) {
   const int terms = numCoefficients(degree);
   const auto n = static_cast<Eigen::Index>(ball.count);
   Eigen::MatrixXd rows(n, terms);
@@ -135,7 +135,7 @@ TEST(FitBall, AgreesWithDoubleLeastSquares) {
       for (const WeightKernel kernel : kFitKernels) {
         std::array<double, kMaxCoefficients> truth;
         const BallBuffer ball = polynomialBall(degree, 400, 0.01, 77, truth);
-        const LocalFit expected = reference(ball, degree, rho, kernel);
+        const LocalFit expected = referenceFit(ball, degree, rho, kernel);
         for (const bool refine : {false, true}) {
           const LocalFit fit = kernels::fitBall(ball, degree, rho, kernel, 1.2, refine);
           ASSERT_EQ(fit.degree, degree);
@@ -215,7 +215,7 @@ TEST(FitBall, AFallenDegreeIsTheBestOfThatDegree) {
   const LocalFit fit = kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, true);
   ASSERT_GT(fit.degree, 0);
   ASSERT_LT(fit.degree, 4);
-  const LocalFit expected = reference(ball, fit.degree, 1.0, WeightKernel::kPower2);
+  const LocalFit expected = referenceFit(ball, fit.degree, 1.0, WeightKernel::kPower2);
   for (std::size_t k = 0; k < kMaxCoefficients; ++k) ASSERT_NEAR(fit.c[k], expected.c[k], 1e-5);
   EXPECT_NEAR(fit.residual_sq / expected.residual_sq, 1.0, 1e-3);
 }

@@ -15,8 +15,8 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim_test;
 
-constexpr double kNoise = 0.01;
-constexpr double kNear = 5 * kNoise;  ///< points are no farther from their surface
+constexpr double kScanNoise = 0.01;
+constexpr double kNear = 5 * kScanNoise;  ///< points are no farther from their surface
 
 /** A view with the places that points were seen from. */
 CloudView seenFrom(const std::vector<double>& sensors, CloudView view) {
@@ -64,7 +64,7 @@ Outcome outcomeOf(const CloudView& view, const DrivenScan& scan, int threads = 2
 }
 
 const DrivenScan& drive() {
-  static const DrivenScan scan = scanByDrive(120000, kNoise, 5);
+  static const DrivenScan scan = scanByDrive(120000, kScanNoise, 5);
   return scan;
 }
 
@@ -91,7 +91,7 @@ TEST(SensorSigns, OrientADriveThroughAStreet) {
 
 /** A shorter drive, for what does not need so many points. */
 const DrivenScan& shortDrive() {
-  static const DrivenScan scan = scanByDrive(40000, kNoise, 7);
+  static const DrivenScan scan = scanByDrive(40000, kScanNoise, 7);
   return scan;
 }
 
@@ -198,7 +198,7 @@ TEST(SensorSigns, GivenNormalsWin) {
 }
 
 TEST(SensorSigns, PointsNeedAPlaceEach) {
-  DrivenScan scan = scanByDrive(2000, kNoise, 3);
+  DrivenScan scan = scanByDrive(2000, kScanNoise, 3);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300}) {
     scan.sensors[3 * 17 + 1] = bad;
     const auto store = PointStore::build(viewOf(scan));

@@ -14,17 +14,17 @@ using pcl_slim_test::wavyBall;
 
 namespace {
 
-constexpr double kNoise = 0.01;
+constexpr double kBallNoise = 0.01;
 
 FitPlan planOfNoise() {
   FitPlan plan;
-  plan.energy.lambda = kNoise * kNoise;
+  plan.energy.lambda = kBallNoise * kBallNoise;
   plan.energy.kappa = 3.0;
   return plan;
 }
 
 TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius) {
-  const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kNoise, 7);
+  const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kBallNoise, 7);
   BallSamples samples;
   samples.begin(ball.points, 0.5, 1.0);
   std::size_t last = ball.points.count + 1;
@@ -50,7 +50,7 @@ TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport) {
       const double least = plan.support * numCoefficients(degree);
       double mean = 0;
       for (unsigned b = 0; b < kBalls; ++b) {
-        const TestBall ball = wavyBall(2, 200, 0.0, 1.0, kNoise, 40 + b);
+        const TestBall ball = wavyBall(2, 200, 0.0, 1.0, kBallNoise, 40 + b);
         trials.begin(ball.points, 1.0, 1.0);
         const auto rho = static_cast<float>(trials.minimumSupportRadius(1.0, degree, kernel));
         const double n_eff = kernels::effectiveCount(ball.points, rho, kernel);
@@ -64,7 +64,7 @@ TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport) {
 }
 
 TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce) {
-  const TestBall ball = wavyBall(2, 500, 0.0, 1.0, kNoise, 9);
+  const TestBall ball = wavyBall(2, 500, 0.0, 1.0, kBallNoise, 9);
   const FitPlan plan = planOfNoise();
   TrialFits trials(plan);
   trials.begin(ball.points, 1.0, 1.0);
@@ -77,12 +77,12 @@ TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce) {
  */
 TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave) {
   const FitPlan plan = planOfNoise();
-  for (const double amplitude : {0.0, 0.6 * kNoise}) {
+  for (const double amplitude : {0.0, 0.6 * kBallNoise}) {
     int accepted = 0;
     constexpr int kBalls = 20;
     for (int b = 0; b < kBalls; ++b) {
       const TestBall ball =
-          wavyBall(4, 4000, amplitude, 0.9, kNoise, 500u + static_cast<unsigned>(b));
+          wavyBall(4, 4000, amplitude, 0.9, kBallNoise, 500u + static_cast<unsigned>(b));
       TrialFits trials(plan);
       ResidualTests tests(trials);
       trials.begin(ball.points, 1.0, 1.0);
@@ -97,7 +97,7 @@ TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave) {
 }
 
 TEST(FitComparison, GoesByTheConstantsOfItsSettings) {
-  const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kNoise, 10);
+  const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kBallNoise, 10);
   const FitPlan plan = planOfNoise();
   RadiusConstants constants;
   constants.comparison_worth = 1e3;

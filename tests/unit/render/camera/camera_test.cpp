@@ -9,6 +9,7 @@
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "unit/render/sphere_view.h"
 #include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
@@ -27,13 +28,6 @@ std::array<int, 4> coveredBounds(const GBuffer& buffer) {
     }
   }
   return bounds;
-}
-
-GBuffer rendered(const SLIMSurface& surface, const Camera& camera) {
-  GBuffer buffer;
-  const Error error = renderSurface(surface, camera, {}, buffer);
-  EXPECT_FALSE(error) << error.message;
-  return buffer;
 }
 
 void expectDirection(const std::array<double, 3>& actual, const std::array<double, 3>& expected) {

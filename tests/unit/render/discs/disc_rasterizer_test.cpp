@@ -20,8 +20,9 @@ DiscRenderParams unfiltered() {
   return params;
 }
 
-GBuffer rendered(const SplatSet& set, const Camera& camera, const DiscRenderParams& params = {},
-                 DiscRenderStatistics* statistics = nullptr) {
+GBuffer renderedDiscs(const SplatSet& set, const Camera& camera,
+                      const DiscRenderParams& params = {},
+                      DiscRenderStatistics* statistics = nullptr) {
   GBuffer buffer;
   const Error error = renderDiscs(set, camera, params, buffer, statistics);
   EXPECT_FALSE(error) << error.message;
@@ -42,7 +43,7 @@ TEST(DiscRasterizer, OneDiscIsWhereRaysMeetIt) {
   SplatSet set;
   addDisc(set, {0.13, -0.07, 0.2}, {0.8, 0.3, 0.4}, 0.45, 0x4080c0);
   const Camera camera = discCamera(160, 120);
-  const GBuffer buffer = rendered(set, camera, unfiltered());
+  const GBuffer buffer = renderedDiscs(set, camera, unfiltered());
   std::size_t covered = 0;
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
@@ -76,10 +77,10 @@ TEST(DiscRasterizer, FilterKeepsTinyDiscs) {
     SplatSet set;
     addDisc(set, {0.3 * std::sin(1.7 * i), 0.3 * std::cos(2.3 * i), 0.0}, {0.2, 0.1, 1.0}, 1e-4,
             0xff8000);
-    const GBuffer buffer = rendered(set, camera);
+    const GBuffer buffer = renderedDiscs(set, camera);
     ASSERT_GE(buffer.numCovered(), 1u) << i;
     ASSERT_LE(buffer.numCovered(), 4u) << i;
-    lost += rendered(set, camera, unfiltered()).numCovered() == 0;
+    lost += renderedDiscs(set, camera, unfiltered()).numCovered() == 0;
   }
   EXPECT_GT(lost, 150u);
 }
@@ -88,12 +89,12 @@ TEST(DiscRasterizer, FilterWidensDiscsByLessThanAPixel) {
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xffffff);
   const Camera camera = discCamera(100, 100);
-  const GBuffer sharp = rendered(set, camera, unfiltered()), soft = rendered(set, camera);
+  const GBuffer sharp = renderedDiscs(set, camera, unfiltered()), soft = renderedDiscs(set, camera);
   EXPECT_EQ(sharp.numCovered(), soft.numCovered());
   // Seen along its side the disc has no width: the filter keeps its middle alone.
   SplatSet edge;
   addDisc(edge, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 0.3, 0xffffff);
-  EXPECT_LE(rendered(edge, camera).numCovered(), 64u);
+  EXPECT_LE(renderedDiscs(edge, camera).numCovered(), 64u);
 }
 
 TEST(DiscRasterizer, OverlapIsTheWeightedMean) {
@@ -101,7 +102,7 @@ TEST(DiscRasterizer, OverlapIsTheWeightedMean) {
   addDisc(set, {-0.1, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xff0040);
   addDisc(set, {0.1, 0.05, 0.0}, {0.0, 0.0, -1.0}, 0.25, 0x20c0ff);
   const Camera camera = discCamera(120, 120);
-  const GBuffer buffer = rendered(set, camera);
+  const GBuffer buffer = renderedDiscs(set, camera);
   std::size_t both = 0;
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 120; ++x) {
@@ -130,7 +131,7 @@ TEST(DiscRasterizer, OverlapIsTheWeightedMean) {
 TEST(DiscRasterizer, OneColorStaysThatColor) {
   SplatSet set = discSphere(0.5, 800, 0.06);
   for (auto& rgb : set.rgb) rgb = 0x3366cc;
-  const GBuffer buffer = rendered(set, discCamera(90, 90));
+  const GBuffer buffer = renderedDiscs(set, discCamera(90, 90));
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
     if (!buffer.covered(i)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -148,8 +149,8 @@ TEST(DiscRasterizer, DiscsFartherBehindThanTheToleranceAreHidden) {
     if (behind_first) addDisc(set, {0.0, 0.0, -gap}, {0.0, 0.0, 1.0}, 0.2, 0x0000ff);
     addDisc(set, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 0.3, 0xff0000);
     if (!behind_first) addDisc(set, {0.0, 0.0, -gap}, {0.0, 0.0, 1.0}, 0.2, 0x0000ff);
-    const GBuffer buffer = rendered(set, camera);
-    EXPECT_EQ(buffer.numCovered(), rendered(front, camera).numCovered());
+    const GBuffer buffer = renderedDiscs(set, camera);
+    EXPECT_EQ(buffer.numCovered(), renderedDiscs(front, camera).numCovered());
     return buffer.color[buffer.index(50, 50)][2];
   };
   // Half the mean radius of .25, and half a pixel of .0146.
@@ -172,15 +173,15 @@ TEST(DiscRasterizer, SlantingPlanesBlendAndWallsDoNot) {
     }
   }
   Camera camera = discCamera(80, 80);
-  const GBuffer plane = rendered(floor, camera);
+  const GBuffer plane = renderedDiscs(floor, camera);
   DiscRenderParams all;
   all.depth_tolerance = 100.0;
-  EXPECT_EQ(plane.weight, rendered(floor, camera, all).weight);
+  EXPECT_EQ(plane.weight, renderedDiscs(floor, camera, all).weight);
 
   SplatSet set;
   addDisc(set, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.05}, 0.2, 0xff0000);
   addDisc(set, {0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}, 1.0, 0x00ff00);
-  const GBuffer wall = rendered(set, camera);
+  const GBuffer wall = renderedDiscs(set, camera);
   std::size_t of_wall = 0;
   for (std::size_t i = 0; i < wall.numPixels(); ++i) {
     if (wall.surfel[i] != 0) continue;
@@ -195,7 +196,7 @@ TEST(DiscRasterizer, GradientIsLinearAndClamped) {
   addDisc(set, {0.0, 0.0, 0.0}, {0.2, 0.1, 1.0}, 0.4, 0x80f010);
   set.gradient.push_back({100, 0, 0, 0, 200, 0, 0, 0, 50});
   const Camera camera = discCamera(100, 100);
-  const GBuffer buffer = rendered(set, camera, unfiltered());
+  const GBuffer buffer = renderedDiscs(set, camera, unfiltered());
   std::size_t clamped = 0;
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 100; ++x) {
@@ -217,7 +218,7 @@ TEST(DiscRasterizer, GradientIsLinearAndClamped) {
 // little more where discs are seen aslant.
 TEST(DiscRasterizer, ASphereOfDiscsHasNoHoles) {
   const double q = 0.05, radius = 0.5;
-  const GBuffer buffer = rendered(discSphere(radius, 2000, q), discCamera(120, 120));
+  const GBuffer buffer = renderedDiscs(discSphere(radius, 2000, q), discCamera(120, 120));
   const Camera camera = discCamera(120, 120);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 120; ++x) {
@@ -243,13 +244,13 @@ TEST(DiscRasterizer, ThreadsAndSkippingChangeNothing) {
     DiscRenderParams params;
     params.threads = 1;
     DiscRenderStatistics with, without;
-    const GBuffer reference = rendered(set, camera, params, &with);
+    const GBuffer reference = renderedDiscs(set, camera, params, &with);
     for (const int threads : {2, 8}) {
       params.threads = threads;
-      expectSame(reference, rendered(set, camera, params));
+      expectSame(reference, renderedDiscs(set, camera, params));
     }
     params.skip = false;
-    expectSame(reference, rendered(set, camera, params, &without));
+    expectSame(reference, renderedDiscs(set, camera, params, &without));
     EXPECT_EQ(with.blended, without.blended);
     EXPECT_LE(with.rays_blend, without.rays_blend);
   }
@@ -261,22 +262,23 @@ TEST(DiscRasterizer, SidesNearPlaneAndProjection) {
   addDisc(set, {0.0, 0.0, 0.5}, {0.0, 0.0, -1.0}, 0.2, 0xff0000);
   addDisc(set, {0.0, 0.0, -0.5}, {0.0, 0.0, 1.0}, 0.2, 0x00ff00);
   const std::size_t middle = 40 * 80 + 40;
-  EXPECT_EQ(rendered(set, camera).surfel[middle], 0u);
+  EXPECT_EQ(renderedDiscs(set, camera).surfel[middle], 0u);
   DiscRenderParams params;
   params.sides = VisibleSides::kFront;
   DiscRenderStatistics statistics;
-  EXPECT_EQ(rendered(set, camera, params, &statistics).surfel[middle], 1u);
+  EXPECT_EQ(renderedDiscs(set, camera, params, &statistics).surfel[middle], 1u);
   EXPECT_EQ(statistics.back_facing, 1u);
   params = {};
   params.near_plane = 1.6;
-  EXPECT_EQ(rendered(set, camera, params).surfel[middle], 1u);
+  EXPECT_EQ(renderedDiscs(set, camera, params).surfel[middle], 1u);
   params.near_plane = 3.0;
-  EXPECT_EQ(rendered(set, camera, params).numCovered(), 0u);
+  EXPECT_EQ(renderedDiscs(set, camera, params).numCovered(), 0u);
   Camera parallel = camera;
   parallel.projection = Camera::Projection::kOrthographic;
   parallel.view_height = 1.0;
   // A disc of radius .2 in a picture 1 high and 80 pixels: pi (16 pixels)^2.
-  EXPECT_NEAR(static_cast<double>(rendered(set, parallel, unfiltered()).numCovered()), 804.0, 20.0);
+  EXPECT_NEAR(static_cast<double>(renderedDiscs(set, parallel, unfiltered()).numCovered()), 804.0,
+              20.0);
 }
 
 TEST(DiscRasterizer, BadInputIsNamed) {
@@ -286,8 +288,8 @@ TEST(DiscRasterizer, BadInputIsNamed) {
   EXPECT_EQ(buffer.numCovered(), 0u);
   SplatSet set;
   addDisc(set, {0, 0, 0}, {0, 0, 1}, 0.0, 0xff0000);  // one position: a point
-  EXPECT_GE(rendered(set, camera).numCovered(), 1u);
-  EXPECT_EQ(rendered(set, camera, unfiltered()).numCovered(), 0u);
+  EXPECT_GE(renderedDiscs(set, camera).numCovered(), 1u);
+  EXPECT_EQ(renderedDiscs(set, camera, unfiltered()).numCovered(), 0u);
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -1.0f}) {
     SplatSet broken = set;
     broken.radius[0] = bad;

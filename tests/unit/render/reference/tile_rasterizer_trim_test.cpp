@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr int kSide = 9;
+constexpr int kMapSide = 9;
 
 /** Level discs, one above the other, all but the lowest with data where x < 0 alone. */
 SLIMSurface halfDiscs(std::size_t count) {
@@ -27,10 +27,10 @@ SLIMSurface halfDiscs(std::size_t count) {
     surface.degree[i] = 1;
     surface.flags[i] = kSurfelLeaf;
     if (i == 0) continue;
-    sides[i] = kSide;
-    std::vector<std::uint8_t> map(TrimMap::numBytes(kSide));
-    for (int k = 0; k < kSide * kSide; ++k) {
-      const bool inside = k % kSide < kSide / 2;  // u is x in this frame
+    sides[i] = kMapSide;
+    std::vector<std::uint8_t> map(TrimMap::numBytes(kMapSide));
+    for (int k = 0; k < kMapSide * kMapSide; ++k) {
+      const bool inside = k % kMapSide < kMapSide / 2;  // u is x in this frame
       map[static_cast<std::size_t>(k >> 3)] |= static_cast<std::uint8_t>(inside << (k & 7));
     }
     bits.insert(bits.end(), map.begin(), map.end());
@@ -49,7 +49,7 @@ TEST(TrimmedPicture, EndsAtTheBorderAndShowsWhatLiesBehind) {
   const GBuffer trimmed = referenceFrame(surface, camera, params);
   params.trim = false;
   const GBuffer whole = referenceFrame(surface, camera, params);
-  const double border = -0.25 / (kSide - 1);  // half a node before the middle
+  const double border = -0.25 / (kMapSide - 1);  // half a node before the middle
   std::size_t behind = 0;
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
