@@ -17,6 +17,7 @@ else()
   set(precompile ON)
 endif()
 option(PCL_SLIM_PRECOMPILE_HEADERS "Parse large headers of other libraries once for each target" ${precompile})
+option(PCL_SLIM_UNITY_TESTS "Several sources of a test program are compiled as one" ON)
 option(PCL_SLIM_DISCOVER_TESTS "Each test of GoogleTest is one of ctest, found by name" OFF)
 set(PCL_SLIM_SKIP_INSTRUCTION_SETS "" CACHE STRING
   "Sets of Highway for which no kernels are compiled, as 'HWY_SSE4|HWY_AVX3': builds are faster, processors take another")
