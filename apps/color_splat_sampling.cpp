@@ -60,7 +60,7 @@ OptionTable declareOptions(Settings& s) {
   options.integer("estimate_normals", &p.normal_neighbors, 3, 10000,
                   "about how many neighbours give each normal of a scan without");
   declareSensorOptions(options, s.scan,
-                       "what estimated normals face; not given: the file's sensor");
+                       "what estimated normals face; not given: the scan's sensor, or outward");
   options.integer("rays", &s.rays, 0, 100000000,
                   "rays, at random places, that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
@@ -94,6 +94,8 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
   report.add({{"splats", st.splats},
               {"colors", has_colors},
               {"normals_estimated", st.normals_estimated},
+              {"sides_from", nameOf(st.sides)},
+              {"opposed_normals", st.normals.opposed},
               {"initial", st.resolution},
               {"initial_cells", st.roots},
               {"cell", st.cell},
@@ -113,8 +115,7 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
 
 Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& report,
              SplatSet& splats) {
-  const std::array<double, 3> viewpoint = s.scan.params.viewpoint.value_or(cloud.sensor());
-  std::copy(viewpoint.begin(), viewpoint.end(), s.params.viewpoint);
+  s.params.viewpoint = s.scan.params.viewpoint;
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   const std::string work = "sampling " + std::to_string(cloud.size()) + " points";
   if (Error error = checkMemory(bytes, work)) return error;
@@ -128,6 +129,7 @@ Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& repo
   reportSplats(statistics, colors.bgr != nullptr, report);
   console.done(std::to_string(splats.size()) + " splats");
   if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
+  printSideNotes(statistics.sides, statistics.normals, console);
   if (!statistics.normals_estimated &&
       (s.neighbors_given || s.scan.params.viewpoint || !s.scan.trajectory.empty())) {
     console.note(

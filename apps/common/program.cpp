@@ -79,6 +79,8 @@ void Console::clearBar() {
   std::printf("\r\033[K%s", line_.c_str());
 }
 
+ReportValue::ReportValue(const Object& fields) : data(fields) {}
+
 ReportValue::ReportValue(std::initializer_list<ReportField> fields) : data(Object(fields)) {}
 
 Report::Report(const OptionTable& options, const std::string& input, int threads)

@@ -78,6 +78,7 @@ struct ReportValue {
   ReportValue(const std::vector<T>& list) : data(List(list.begin(), list.end())) {}
   ReportValue(const std::array<double, 3>& list) : data(List(list.begin(), list.end())) {}
   ReportValue(std::initializer_list<ReportField> fields);
+  ReportValue(const Object& fields);
 
   std::variant<bool, std::int64_t, std::uint64_t, double, std::string, List, Object> data;
 };

@@ -338,6 +338,7 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
       std::holds_alternative<MaxSurfels>(job.params.size))
     console.note("  " + solvedText(statistics));
   if (statistics.sides.points > 0) console.note("  " + sidesText(statistics));
+  printSideNotes(statistics.sides.source, statistics.sides.normals, console);
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
   if (statistics.noise.normals_follow_points) {

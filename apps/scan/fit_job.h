@@ -117,6 +117,9 @@ std::string sidesText(const FitStatistics& fit);
 /** \brief "points skipped: 32 non-finite, 4 duplicate", or nothing. */
 std::string skippedText(const PointStoreStatistics& points);
 
+/** \brief Prints what a user may want otherwise of the sides that were chosen; see sideNotes(). */
+void printSideNotes(SideSource source, const NormalAgreement& normals, Console& console);
+
 /** \brief Lines about points that no leaf covers; none if all are covered. */
 std::vector<std::string> coverNotes(const FitStatistics& fit);
 

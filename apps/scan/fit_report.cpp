@@ -12,17 +12,6 @@ FittedPoints fittedPoints(const PointStore& store) {
 
 namespace {
 
-const char* sideSourceName(SideSource source) {
-  switch (source) {
-    case SideSource::kNormals: return "normals";
-    case SideSource::kSensors: return "sensors";
-    case SideSource::kViewpoint: return "viewpoint";
-    case SideSource::kThinParts: return "thin_parts";
-    case SideSource::kOverlaps: return "overlaps";
-    default: return "none";
-  }
-}
-
 /** What a fit left out, and what it had no need to do. */
 ReportValue skippedCounts(const FittedPoints& fitted, const FitStatistics& fit) {
   const PointStoreStatistics& points = fitted.statistics;
@@ -37,6 +26,15 @@ ReportValue skippedCounts(const FittedPoints& fitted, const FitStatistics& fit) 
           {"levels", fit.levels_skipped}};
 }
 
+/** Shares of the points on leaves that face what could decide, where it is known. */
+ReportValue sideShares(const SideStatistics& sides) {
+  ReportValue::Object shares;
+  if (sides.facing) shares.push_back({nameOf(sides.source), *sides.facing});
+  if (sides.source != SideSource::kOrigin) shares.push_back({"origin", sides.facing_origin});
+  shares.push_back({"outward", sides.facing_outward});
+  return shares;
+}
+
 /** What was measured of the errors, and how points got their sides. */
 void addMeasured(const FitStatistics& fit, Report& report) {
   report.add({{"lambda", fit.lambda},
@@ -49,7 +47,9 @@ void addMeasured(const FitStatistics& fit, Report& report) {
               {"noise_neighbors", fit.noise.neighbors},
               {"noise_varies", fit.noise.varies},
               {"thin_places", fit.sides.thin_places},
-              {"sides_from", sideSourceName(fit.sides.source)},
+              {"sides_from", nameOf(fit.sides.source)},
+              {"sides_facing", sideShares(fit.sides)},
+              {"opposed_normals", fit.sides.normals.opposed},
               {"overlap_edges", fit.sides.overlap_edges},
               {"sided", fit.sides.points},
               {"sided_confidence", fit.sides.confidence},
@@ -169,6 +169,11 @@ std::string sidesText(const FitStatistics& fit) {
   }
   if (fit.sides.in_doubt) line += "; pictures show both sides";
   return line;
+}
+
+void printSideNotes(SideSource source, const NormalAgreement& normals, Console& console) {
+  for (const std::string& note : sideNotes(source, normals, "-viewpoint X,Y,Z"))
+    console.note("  " + note);
 }
 
 std::string skippedText(const PointStoreStatistics& points) {

@@ -352,6 +352,7 @@ void printNotes(const StreamFit& fit, Console& console) {
   const std::string skipped = skippedText(statistics.points);
   if (!skipped.empty()) console.note("  " + skipped);
   console.note("  " + noiseText(pointsOf(fit).diagonal, statistics.fit));
+  printSideNotes(statistics.fit.sides.source, {}, console);
   for (const std::string& note : coverNotes(statistics.fit)) console.note(note);
 }
 

@@ -60,18 +60,6 @@ std::string givenTo(const Row& row) {
   return row.view.sensor ? "sensor" : "nothing";
 }
 
-const char* sourceName(SideSource source) {
-  switch (source) {
-    case SideSource::kNone: return "none";
-    case SideSource::kNormals: return "normals";
-    case SideSource::kSensors: return "sensors";
-    case SideSource::kViewpoint: return "viewpoint";
-    case SideSource::kThinParts: return "thin parts";
-    case SideSource::kOverlaps: return "overlaps";
-  }
-  return "other";
-}
-
 /** Prints a share in percent, or a dash where nothing was judged. */
 void printShare(double percent) {
   if (std::isfinite(percent)) {
@@ -81,14 +69,12 @@ void printShare(double percent) {
   }
 }
 
-/** Splats of a scan as color_splat_sampling makes them: without a viewpoint they face its sensor or,
- * where none is known, the origin. */
+/** Splats of a scan as pcl_color_splat_sampling makes them. */
 Error sampleRow(const Settings& s, const Row& row, double most, SplatSet& splats) {
   SplatParams params;
   params.threads = s.threads;
   params.max_splats = static_cast<std::uint64_t>(most);
-  const std::optional<Vector3> viewpoint = row.viewpoint ? row.viewpoint : row.view.sensor;
-  if (viewpoint) std::copy(viewpoint->begin(), viewpoint->end(), params.viewpoint);
+  params.viewpoint = row.viewpoint;
   return sampleSplats(row.view, row.colors, params, splats);
 }
 
@@ -118,7 +104,7 @@ Error printRow(const Settings& s, const Row& row) {
   const sides::Truth truth(row.points, row.normals, row.sensors);
   const SurfaceInfo& info = fitted.surface.info;
   std::printf("| %s | %zu | %s | %s | %s%s%s |", row.name.c_str(), row.kept.size(),
-              givenTo(row).c_str(), row.truth.c_str(), sourceName(fitted.statistics.sides.source),
+              givenTo(row).c_str(), row.truth.c_str(), nameOf(fitted.statistics.sides.source),
               info.oriented ? "" : ", not oriented", info.sides_in_doubt ? ", in doubt" : "");
   printShare(sides::facingLeaves(fitted.surface, truth).percent());
   printShare(sides::facingPoints(*projection, row.kept, truth).percent());

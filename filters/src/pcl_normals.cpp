@@ -15,6 +15,7 @@
 #include <numeric>
 #include <string>
 
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/estimated_normals.h"
@@ -190,8 +191,6 @@ Error estimateNormals(const CloudView& cloud, int k,
   if (plain.source.empty()) return {};
   FitParams params;
   params.threads = threads;
-  params.viewpoint =
-      plain.local(viewpoint.value_or(cloud.sensor.value_or(std::array<double, 3>{})));
   pcl::PointCloud<pcl::Normal> estimated;
   if (Error error =
           pclNormals(plain.points, nullptr, makeSearch(plain.points), k, params, estimated))
@@ -199,18 +198,8 @@ Error estimateNormals(const CloudView& cloud, int k,
   for (std::size_t i = 0; i < plain.source.size(); ++i) {
     std::memcpy(&normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
   }
-  if (cloud.sensors && !viewpoint) faceSensors(cloud, normals);
+  faceNormals(cloud, viewpoint, threads, normals);
   return {};
-}
-
-void faceSensors(const CloudView& view, std::vector<float>& normals) {
-  for (std::size_t i = 0; i < view.size; ++i) {
-    const auto from = view.position(i), sensor = view.sensorPosition(i);
-    float* n = &normals[3 * i];
-    double along = 0;
-    for (std::size_t a = 0; a < 3; ++a) along += (sensor[a] - from[a]) * n[a];
-    for (std::size_t a = 0; a < 3 && along < 0; ++a) n[a] = -n[a];
-  }
 }
 
 }  // namespace pcl_slim

@@ -13,7 +13,7 @@ namespace pcl_slim {
 void SLIMProjectionBase::clearResults() {
   SLIMFitBase::clearResults();
   fitted_surface_.reset();
-  warning_.clear();
+  no_surface_ = false;
   projection_ = {};
   unsupported_.clear();
   outside_.clear();
@@ -31,6 +31,7 @@ bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitte
   if (!done) {
     fitted_surface_.reset();
     warning_.clear();
+    no_surface_ = false;
     return false;
   }
   projection_ = projection.statistics();
@@ -82,7 +83,8 @@ Result<CloudProjection> SLIMProjectionBase::projectOnFit(const CloudView& points
   const Error error = fitAndKeep({fitted, {}}, fit, scan);
   // Points that are no surface may stay as they are: they are projected onto an empty one.
   if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
-  warning_ = error.message;
+  no_surface_ = static_cast<bool>(error);
+  if (error) warning_ = error.message;
   const auto surface = std::make_shared<const SLIMSurface>(std::move(scan.surface));
   if (!error) fitted_surface_ = surface;
   return projectScan(points, *surface, SurfaceOrigin::kFitted, fit, requested, &control_.progress,

@@ -57,6 +57,7 @@ void SLIMFitBase::clearResults() {
   statistics_ = {};
   outliers_.clear();
   input_statistics_ = {};
+  warning_.clear();
 }
 
 Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted) {
@@ -73,6 +74,9 @@ Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, Fit
     outliers_.push_back(
         static_cast<std::int32_t>(scan.points.inputIndex(fitted.store.orderOfStore()[i])));
   std::sort(outliers_.begin(), outliers_.end());
+  const SideStatistics& sides = statistics_.sides;
+  for (const std::string& note : sideNotes(sides.source, sides.normals, "setViewPoint(x, y, z)"))
+    warning_ += (warning_.empty() ? "" : "; ") + note;
   return error;
 }
 

@@ -128,7 +128,7 @@ std::vector<SLIMSmootherBase::CommonBytes> SLIMSmootherBase::commonFields(
 void SLIMSmootherBase::complain() const {
   if (error_ && error_.code != ErrorCode::kCancelled)
     PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
-  if (!getWarning().empty()) {
+  if (foundNoSurface()) {
     PCL_WARN("[pcl_slim::SLIMProjectionSmoother::process] %s; the points stay as they are\n",
              getWarning().c_str());
   }
@@ -314,7 +314,7 @@ bool SLIMSmootherBase::run(const Source& source, const Target& target, bool& den
   const bool curvature = compute_normals_ && target.curvature != kNoField;
   CloudProjection projection;
   if (!smooth(source.view, curvature, projection)) return false;
-  if (upsampling_ == NONE || !getWarning().empty()) {
+  if (upsampling_ == NONE || foundNoSurface()) {
     write(source, projection, target);
     dense = projection.statistics().non_finite == 0;
     return true;

@@ -14,6 +14,7 @@
 #include "measures/measures.h"
 #include "orient.h"
 #include "pcl_slim/cloud/outliers.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "trim/trim.h"
@@ -24,16 +25,16 @@ namespace detail {
 
 namespace {
 
-/** A user's parameters, settled for a store: the cloud's sensor is the viewpoint where neither one
- * is given nor points have sensors of their own. \return an error where they do not go together. */
+/** A user's parameters, settled for a store: the viewpoint is what all evidence shows, if that is one
+ * place. \return an error where they do not go together. */
 Result<FitParams> settledParams(const PointStore& store, const FitParams& asked,
-                                const PresetConstants& preset) {
+                                const PresetConstants& preset, const SideEvidence& evidence) {
   if (Error error = asked.validate()) return error;
   if (store.size() == 0) return badInput("the store holds no points: build it from some");
   FitParams usable = asked;
   usable.sharp_features = asked.sharp_features && store.hasNormals();
   FitParams params = resolvedParams(usable, preset);
-  if (!params.viewpoint && !store.hasSensors()) params.viewpoint = store.sensor();
+  if (evidence.eye) params.viewpoint = evidence.eye;
   if (params.noise_model && !params.viewpoint && !store.hasSensors()) {
     return Error{ErrorCode::kBadArgument,
                  "a noise model tells errors along rays: give the viewpoint that they come from"};
@@ -61,13 +62,15 @@ FittedPoints withoutOutliers(const PointStore& all, const FitParams& params, int
 /** Turns surfels to common sides. \param[in] store the points fitted, with their sides after the
  * cover \param[in] sides those before it */
 Orientation turnSurfels(const PointStore& store, const SideStatistics& sides,
-                        const FitParams& params, const OrientConstants& constants, int threads,
-                        SLIMSurface& surface) {
+                        const SideEvidence& evidence, const FitParams& params,
+                        const OrientConstants& constants, int threads, SLIMSurface& surface) {
   surface.info.sides_in_doubt = sides.in_doubt;
-  if (store.hasNormals()) return {SideSource::kNormals};
+  if (store.hasNormals()) return {SideSource::kNormals, 0, {}};
   if (sides.for_cover) turnToSides(store, constants, threads, surface);
-  if (store.hasSides()) return {store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts};
-  return params.orient ? orientSurface(&store, params, constants, threads, surface) : Orientation();
+  if (store.hasSides())
+    return {store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts, 0, {}};
+  return params.orient ? orientSurface(&store, evidence, constants, threads, surface)
+                       : Orientation();
 }
 
 /** What the stages of a fit have made. */
@@ -78,6 +81,7 @@ struct Stages {
   const SizedPlan& sized;
   const LevelCover& cover;
   const SLIMSurface& surface;
+  const SideEvidence& evidence;
   Orientation turned;
   std::uint64_t gaps;  ///< surfels whose gaps were measured
   FitSeconds seconds;
@@ -102,6 +106,8 @@ FitStatistics statisticsOf(const Stages& fit) {
   stats.sides = fit.sides.statistics;
   stats.sides.source = fit.turned.source;
   stats.sides.overlap_edges = fit.turned.overlap_edges;
+  stats.sides.facing = fit.turned.facing;
+  measureFacing(fit.evidence, fit.surface, stats.sides);
   stats.trim_candidates = fit.gaps;
   stats.seconds = fit.seconds;
   stats.threads = fit.threads;
@@ -139,8 +145,8 @@ void keepSides(const std::vector<std::uint32_t>& outliers, int threads, CloudSid
 /** The paper's section 2, after noise and sides are measured. \param[in] all without sides of an
  * earlier fit \param[in] params settled */
 Error fitStages(const FitConstants& constants, const PointStore& all, const FitParams& params,
-                SLIMSurface& surface, FitStatistics* statistics, Progress* progress,
-                PointStore* kept) {
+                const SideEvidence& evidence, SLIMSurface& surface, FitStatistics* statistics,
+                Progress* progress, PointStore* kept) {
   const int threads = resolveThreads(params.threads);
   FitSeconds seconds;
   Stopwatch watch;
@@ -165,13 +171,13 @@ Error fitStages(const FitConstants& constants, const PointStore& all, const FitP
   surface.buildLinks(threads);
   seconds.links = watch.lap();
   const Orientation turned =
-      turnSurfels(after, sides.statistics, params, constants.orient, threads, surface);
+      turnSurfels(after, sides.statistics, evidence, params, constants.orient, threads, surface);
   seconds.orient = watch.lap();
   const std::uint64_t gaps = makeTrimMaps(after, sized->plan, params, threads, surface);
   seconds.trim = watch.lap();
 
-  const FitStatistics found = statisticsOf(
-      {points, fitted.outliers, sides, *sized, cover, surface, turned, gaps, seconds, threads});
+  const FitStatistics found = statisticsOf({points, fitted.outliers, sides, *sized, cover, surface,
+                                            evidence, turned, gaps, seconds, threads});
   if (statistics != nullptr) *statistics = found;
   if (Error error = checkLeaves(points, found)) return error;
   if (kept != nullptr) keepSides(fitted.outliers, threads, sides, *kept);
@@ -184,15 +190,20 @@ Error fitWithConstants(const FitConstants& constants, const PointStore& store,
                        const FitParams& asked, SLIMSurface& surface, FitStatistics* statistics,
                        Progress* progress, PointStore* kept) {
   surface.clear();
-  std::optional<PointStore> unsided;  // a copy without sides of an earlier fit
-  if (kept != nullptr)
-    kept->clearSides();
-  else if (store.hasSides() && !store.hasNormals())
-    unsided.emplace(store).clearSides();
-  const PointStore& all = unsided ? *unsided : store;
-  const Result<FitParams> params = settledParams(all, asked, constants.preset);
+  // A store whose normals agree, without sides of an earlier fit: the caller's own or a copy.
+  const bool opposed = !asked.paper_mode && measureNormals(store).contradicts();
+  std::optional<PointStore> copy;
+  if (kept == nullptr && (opposed || (store.hasSides() && !store.hasNormals()))) copy = store;
+  PointStore* const settled = kept != nullptr ? kept : copy ? &*copy : nullptr;
+  if (settled != nullptr) settled->clearSides();
+  NormalAgreement normals;
+  if (opposed) normals = settleNormals(asked.viewpoint, resolveThreads(asked.threads), *settled);
+  const PointStore& all = settled != nullptr ? *settled : store;
+  const SideEvidence evidence = findSideEvidence(all, asked.viewpoint);
+  const Result<FitParams> params = settledParams(all, asked, constants.preset, evidence);
   if (!params) return params.error();
-  Error error = fitStages(constants, all, *params, surface, statistics, progress, kept);
+  Error error = fitStages(constants, all, *params, evidence, surface, statistics, progress, kept);
+  if (statistics != nullptr) statistics->sides.normals = normals;
   if (error) surface.clear();
   return error;
 }

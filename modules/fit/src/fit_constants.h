@@ -90,13 +90,10 @@ struct SideSearchConstants {
   double last_doubt = 0.3;  ///< largest doubt in a noisy cloud where no width of cells gives sides
 };
 
-/** \brief Common sides without normals (docs/theory.md, "Sides"). */
+/** \brief Common sides without normals (docs/theory.md, "Which side is out"). */
 struct OrientConstants {
   std::size_t neighbors = 8;  ///< nearest leaves on each level that a leaf has edges to, 32 at most
   double reach = 0.9;         ///< of r + r': leaves whose centres are farther apart do not overlap
-  float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
-  double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
-  double flat_flux = kLeastFlux;  ///< flux below this share of its bound leaves no inside
   double sheet = 3.0;  ///< [a leaf's RMS residual] points farther from it are of another sheet
   std::size_t blocks = 128;  ///< of points that vote on a leaf's side, at most
 };

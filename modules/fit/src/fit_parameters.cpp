@@ -202,7 +202,7 @@ std::vector<IdleFitParameter> idleParameters(const FitParams& params, const FitS
   if (params.sides) return idle;
   if (fit.sides.source == SideSource::kNormals)
     idle.push_back({"sides", "the scan has normals"});
-  else if (fit.sides.source == SideSource::kViewpoint)
+  else if (fit.sides.source == SideSource::kViewpoint || fit.sides.source == SideSource::kOrigin)
     idle.push_back({"sides", "a viewpoint gives the sides"});
   else if (params.paper_mode || params.hasThreshold())
     idle.push_back({"sides", "-paper and -t_mdl give points no sides"});

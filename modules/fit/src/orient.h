@@ -1,57 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Common sides of surfels fitted without normals (docs/theory.md, "Sides").
+// Common sides of surfels fitted without normals (docs/theory.md, "Which side is out").
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fit_constants.h"
+#include "pcl_slim/cloud/detail/signed_graph.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
 
-/** \brief An edge of the graph of overlapping leaves: light where two are clearly on one sheet. */
-struct OverlapEdge {
-  float weight;
-  std::uint32_t a, b;  ///< surfels
-  bool opposed;        ///< the normals point to different sides
+/** \brief The leaves' places on the surface, the normals of their frames, and squared radii as areas.
+ */
+std::vector<SidePatch> patchesOf(const SLIMSurface& surface,
+                                 const std::vector<std::uint32_t>& leaves);
 
-  bool operator<(const OverlapEdge& other) const {
-    if (weight != other.weight) return weight < other.weight;
-    return a != other.a ? a < other.a : b < other.b;
-  }
-};
-
-/** \brief Edges between leaves and their eight nearest neighbours on each level that is not finer,
- * in lists of no particular order.
+/** \brief Edges between leaves and their eight nearest neighbours on each level that is not finer, by
+ * edgeBetween(); nodes are places in leaves.
  *
- * The weight is 1 - |n . n'| plus how far each leaf passes the other's centre over their distance.
  * O(M log M) for M leaves alike in size on each level. */
-std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& surface,
-                                                   const std::vector<std::uint32_t>& leaves,
-                                                   int threads,
-                                                   const OrientConstants& constants = {});
+std::vector<SignedEdge> overlapGraph(const SLIMSurface& surface,
+                                     const std::vector<std::uint32_t>& leaves,
+                                     const std::vector<SidePatch>& patches, int threads,
+                                     const OrientConstants& constants = {});
 
 /** \brief How surfels got their sides. */
 struct Orientation {
   SideSource source = SideSource::kNone;
-  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches
+  std::uint64_t overlap_edges = 0;  ///< of the graph of leaves
+  std::optional<double> facing;     ///< share of the points whose leaves face their sensors
 };
 
 /** \brief Gives surfels fitted without normals a common side; flips them in place.
  *
- * Towards FitParams' viewpoint; or, where the store's points have sensors, towards those of each
- * leaf's points; or by the graph of overlapping leaves: Kruskal's spanning forest with parity,
- * edges weighted by 1 - |n . n'| and by how far each leaf passes the other's centre; each connected
- * part then turns outward as seen from its centroid. Internal surfels follow the leaves below them.
+ * Neighbouring leaves agree as far as the evidence allows: their beams, towards a viewpoint or the
+ * sensors of their points, vote on the same graph (signsByVotes()). Without evidence each connected
+ * part turns outward (signsOutward()). Internal surfels follow the leaves below them.
  * SurfaceInfo::oriented stays false: near sheets and creases a sign can be wrong, so blending
  * aligns signs point by point.
- * \param[in] store the points fitted, or null
+ * \param[in] store the points fitted; null: only their evidence is known
  */
-Orientation orientSurface(const PointStore* store, const FitParams& params,
+Orientation orientSurface(const PointStore* store, const SideEvidence& evidence,
                           const OrientConstants& constants, int threads, SLIMSurface& surface);
+
+/** \brief Fills in the shares of the points on leaves that face what could decide. O(leaves). */
+void measureFacing(const SideEvidence& evidence, const SLIMSurface& surface, SideStatistics& sides);
 
 /** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted,
  * with sides */

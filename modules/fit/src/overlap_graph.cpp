@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "orient.h"
-#include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/center_grid.h"
@@ -19,61 +18,6 @@ namespace {
 
 constexpr double kMargin = 1.0001;  ///< more is sought than needed, for rounding; dropped after
 constexpr std::size_t kTask = 512;  ///< leaves a thread takes at a time; no result depends on it
-
-/** A leaf with its frame at hand. Orientation needs no more of it than its quadric. */
-struct Leaf {
-  Vector3 center;
-  LocalFrame frame;
-  double radius;
-  std::array<double, 6> c;
-};
-
-Leaf leafOf(const SLIMSurface& s, std::uint32_t i) {
-  Leaf leaf;
-  leaf.center = {s.cx[i], s.cy[i], s.cz[i]};
-  leaf.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
-  leaf.radius = s.radius[i];
-  leaf.c.fill(0.0);
-  std::copy_n(s.coefficientsOf(i), numCoefficients(std::min<int>(2, s.degree[i])), leaf.c.begin());
-  return leaf;
-}
-
-/** |f| of a leaf at x in local length, and the gradient of f there (not unit). */
-struct Probe {
-  double offset;
-  Vector3 gradient;
-};
-
-Probe probe(const Leaf& leaf, const Vector3& x) {
-  const Vector3 d = subtract(x, leaf.center);
-  const double r = leaf.radius;
-  // A polynomial is undefined beyond its ball: evaluate it at the rim.
-  double u = dot(d, leaf.frame.u) / r, v = dot(d, leaf.frame.v) / r;
-  const double length_sq = u * u + v * v;
-  const double shrink = length_sq > 1.0 ? 1.0 / std::sqrt(length_sq) : 1.0;
-  u *= shrink;
-  v *= shrink;
-  const auto& c = leaf.c;
-  const double h = c[0] + c[1] * u + c[2] * v + (c[3] * u * u + c[4] * u * v + c[5] * v * v);
-  const double hu = c[1] + (2.0 * c[3] * u + c[4] * v);
-  const double hv = c[2] + (c[4] * u + 2.0 * c[5] * v);
-  Probe result;
-  result.offset = std::abs(dot(d, leaf.frame.w) - r * h);
-  for (int a = 0; a < 3; ++a) {
-    result.gradient[a] = leaf.frame.w[a] - hu * leaf.frame.u[a] - hv * leaf.frame.v[a];
-  }
-  return result;
-}
-
-OverlapEdge makeEdge(const AlignedVector<Leaf>& leaves, std::uint32_t a, std::uint32_t b,
-                     double distance) {
-  const Probe at_a = probe(leaves[a], leaves[b].center), at_b = probe(leaves[b], leaves[a].center);
-  const double cosine =
-      dot(at_a.gradient, at_b.gradient) /
-      std::sqrt(dot(at_a.gradient, at_a.gradient) * dot(at_b.gradient, at_b.gradient));
-  const double offset = 0.5 * (at_a.offset + at_b.offset) / std::max(distance, 1e-15);
-  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a, b, cosine < 0};
-}
 
 /** The leaves of one level, and all that look for neighbours among them: these leaves and finer
  * ones, in order of the grid's cells. */
@@ -182,12 +126,23 @@ class NeighborFinder {
 
 }  // namespace
 
-std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& s,
-                                                   const std::vector<std::uint32_t>& leaves,
-                                                   int threads, const OrientConstants& constants) {
-  AlignedVector<Leaf> data(s.size());
-  parallelFor(leaves.size(), threads, kTask,
-              [&](std::size_t at, int) { data[leaves[at]] = leafOf(s, leaves[at]); });
+std::vector<SidePatch> patchesOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves) {
+  std::vector<SidePatch> patches(leaves.size());
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const std::uint32_t i = leaves[k];
+    const Vector3 normal{s.nx[i], s.ny[i], s.nz[i]};
+    const double radius = s.radius[i];
+    const double height = radius * s.coefficientsOf(i)[0];  // of the polynomial over the centre
+    patches[k] = {along({s.cx[i], s.cy[i], s.cz[i]}, height, normal), normal, radius * radius};
+  }
+  return patches;
+}
+
+std::vector<SignedEdge> overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+                                     const std::vector<SidePatch>& patches, int threads,
+                                     const OrientConstants& constants) {
+  std::vector<std::uint32_t> place(s.size());
+  for (std::size_t k = 0; k < leaves.size(); ++k) place[leaves[k]] = static_cast<std::uint32_t>(k);
   std::array<bool, 256> seen{};
   for (const std::uint32_t i : leaves) seen[s.level[i]] = true;
   std::vector<int> numbers;
@@ -205,18 +160,23 @@ std::vector<std::vector<OverlapEdge>> overlapGraph(const SLIMSurface& s,
   for (std::size_t k = 0; k < levels.size(); ++k) {
     for (std::size_t at = 0; at < levels[k].seekers.size(); at += kTask) tasks.push_back({k, at});
   }
-  std::vector<std::vector<OverlapEdge>> edges(tasks.size());
+  std::vector<std::vector<SignedEdge>> parts(tasks.size());
   parallelFor(tasks.size(), threads, 1, [&](std::size_t t, int) {
     const LevelLeaves& level = levels[tasks[t].level];
     const std::size_t end = std::min(tasks[t].begin + kTask, level.seekers.size());
-    edges[t].reserve(constants.neighbors * (end - tasks[t].begin));
+    parts[t].reserve(constants.neighbors * (end - tasks[t].begin));
     NeighborFinder finder(s, level, constants);
     for (std::size_t at = tasks[t].begin; at < end; ++at) {
-      for (const auto& [distance_sq, j] : finder.nearest(level.seekers[at])) {
-        edges[t].push_back(makeEdge(data, j, level.seekers[at].surfel, std::sqrt(distance_sq)));
-      }
+      const std::uint32_t own = place[level.seekers[at].surfel];
+      for (const auto& [distance_sq, j] : finder.nearest(level.seekers[at]))
+        parts[t].push_back(edgeBetween(patches, place[j], own));
     }
   });
+  std::vector<SignedEdge> edges;
+  for (auto& part : parts) {
+    edges.insert(edges.end(), part.begin(), part.end());
+    std::vector<SignedEdge>().swap(part);
+  }
   return edges;
 }
 

@@ -200,9 +200,10 @@ Error fitCoarseLevels(const PointStore& sample, const FitParams& asked, const Co
 }
 
 void orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface) {
-  FitParams facing = params;
-  if (!params.viewpoint) facing.viewpoint = frame.sensor;
-  orientSurface(nullptr, facing, FitConstants().orient, resolveThreads(params.threads), surface);
+  SideEvidence evidence;
+  evidence.eye = params.viewpoint ? params.viewpoint : frame.sensor;
+  if (evidence.eye) evidence.source = SideSource::kViewpoint;
+  orientSurface(nullptr, evidence, FitConstants().orient, resolveThreads(params.threads), surface);
 }
 
 }  // namespace pcl_slim

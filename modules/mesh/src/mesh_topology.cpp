@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 
+#include "pcl_slim/cloud/detail/signed_graph.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/mesh/mesh_faces.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
@@ -139,59 +140,6 @@ std::uint32_t cornerAt(const std::vector<Triangle>& triangles, std::uint32_t t, 
   return 3 * t + (own[0] == v ? 0 : own[1] == v ? 1 : 2);
 }
 
-/** Turns the triangles of one component so that they agree with its first. */
-class SideFlood {
- public:
-  SideFlood(const std::vector<Triangle>& triangles, const EdgeTable& table)
-      : next_(3 * triangles.size(), kNone),
-        seen_(triangles.size(), 0),
-        turned_(triangles.size(), 0),
-        triangles_(triangles) {
-    for (const MeshEdge& edge : table.edges) {
-      if (edge.count != 2) continue;
-      const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
-      next_[a] = b;
-      next_[b] = a;
-    }
-  }
-
-  std::vector<std::uint8_t> run() {
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      if (seen_[t] != 0) continue;
-      flood(t);
-      std::size_t turned = 0;
-      for (const std::uint32_t m : members_) turned += turned_[m];
-      if (2 * turned <= members_.size()) continue;
-      for (const std::uint32_t m : members_) turned_[m] ^= 1;
-    }
-    return turned_;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
-  void flood(std::uint32_t first) {
-    members_.assign(1, first);
-    seen_[first] = 1;
-    for (std::size_t at = 0; at < members_.size(); ++at) {
-      const std::uint32_t t = members_[at];
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t other = next_[3 * t + k];
-        if (other == kNone || seen_[other / 3] != 0) continue;
-        // Agreeing neighbours run along their edge in opposite directions.
-        const bool same = triangles_[t][k] == triangles_[other / 3][other % 3];
-        seen_[other / 3] = 1;
-        turned_[other / 3] = turned_[t] ^ static_cast<std::uint8_t>(same);
-        members_.push_back(other / 3);
-      }
-    }
-  }
-
-  std::vector<std::uint32_t> next_, members_;
-  std::vector<std::uint8_t> seen_, turned_;
-  const std::vector<Triangle>& triangles_;
-};
-
 }  // namespace
 
 void countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold) {
@@ -257,10 +205,35 @@ std::vector<std::uint32_t> separateFans(std::size_t num_vertices, std::vector<Tr
 }
 
 std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int threads) {
+  // A region keeps its side against its neighbours from so many triangles an edge of its border on:
+  // small ones are errors of the contour, large ones have theirs from the surface.
+  constexpr double kOwnSide = 0.05;
   const EdgeTable table(triangles, threads);
-  std::vector<std::uint8_t> turned = SideFlood(triangles, table).run();
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (turned[t] != 0) std::swap(triangles[t][1], triangles[t][2]);
+  SignedRegions regions(triangles.size());
+  std::vector<SignedEdge> edges;  // between triangles that disagree
+  for (const MeshEdge& edge : table.edges) {
+    if (edge.count != 2) continue;
+    const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
+    // Agreeing neighbours run along their edge in opposite directions.
+    if (triangles[a / 3][a % 3] == triangles[b / 3][b % 3])
+      edges.push_back({a / 3, b / 3, -1});
+    else
+      regions.join(a / 3, b / 3);
+  }
+  std::vector<std::uint8_t> turned(triangles.size(), 0);
+  if (edges.empty()) return turned;
+  std::vector<double> votes(regions.number(), 0.0);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) votes[regions.of(t)] += kOwnSide;
+  std::vector<SignedEdge> between;
+  for (const SignedEdge& e : edges) {
+    const std::uint32_t a = regions.of(e.a), b = regions.of(e.b);
+    if (a != b) between.push_back({a, b, e.agreement});
+  }
+  const std::vector<signed char> signs = signsByVotes(std::move(between), votes);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (signs[regions.of(t)] > 0) continue;
+    turned[t] = 1;
+    std::swap(triangles[t][1], triangles[t][2]);
   }
   return turned;
 }

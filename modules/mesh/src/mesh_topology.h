@@ -39,8 +39,8 @@ struct EdgeTable {
 std::vector<std::uint32_t> separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles,
                                         int threads);
 
-/** Turns triangles until neighbours agree, in each component like the majority of its triangles.
- * \return of each triangle whether it was turned. O(T log T). */
+/** Turns small regions of triangles until neighbours agree; large ones keep their sides
+ * (signsByVotes()). \return of each triangle whether it was turned. O(T log T). */
 std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int threads);
 
 /** Takes away triangles until none runs along an edge in the direction of another. Only what cannot

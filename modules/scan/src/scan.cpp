@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/fit/fit_colors.h"
 
@@ -51,6 +52,10 @@ Result<CloudProjection> projectScan(const CloudView& points, const SLIMSurface& 
   CloudProjectionParams params;
   params.projection = withFit(fit, requested);
   params.viewpoint = fit.viewpoint;
+  if (origin == SurfaceOrigin::kFitted && store != nullptr && !fit.viewpoint) {
+    const SideEvidence evidence = findSideEvidence(*store, {});
+    if (evidence.source == SideSource::kOrigin) params.viewpoint = evidence.eye;
+  }
   if (origin == SurfaceOrigin::kGiven) params.least_support = kLeastSharedSupport;
   return CloudProjection::make(points, surface, params, progress, store);
 }

@@ -288,6 +288,7 @@ class Sampling {
         OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = watch_.lap();
+    if (!needsNormals()) evidence_.source = SideSource::kNormals;
     if (needsNormals() || plan_.needsNeighbors()) {
       if (!begin(0.2f, "neighbours")) return cancelled();
       if (Error error = findNeighbors()) return error;
@@ -299,6 +300,10 @@ class Sampling {
     statistics_.seconds_divide = watch_.lap();
     if (!begin(0.9f, "splats")) return cancelled();
     builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
+    statistics_.normals =
+        settleDiscSides(evidence_, view_, params().paper_mode, params().threads, splats);
+    const bool outward = evidence_.source == SideSource::kNone;
+    statistics_.sides = outward ? SideSource::kOutward : evidence_.source;
     statistics_.seconds_splats = watch_.lap();
     return begin(1.0f, "done") ? Error() : cancelled();
   }
@@ -329,8 +334,9 @@ class Sampling {
     if (!store) return store.error();
     store_ = std::move(*store);
     if (!needsNormals()) return {};
-    normals_ = estimateNormals(*store_, view_, params().normal_neighbors, params().viewpoint,
-                               params().threads);
+    evidence_ = findSideEvidence(*store_, params().viewpoint);
+    normals_ =
+        estimateNormals(*store_, view_, params().normal_neighbors, evidence_, params().threads);
     view_.normal = normals_.data();
     view_.normal_stride = 3 * sizeof(float);
     statistics_.normals_estimated = true;
@@ -403,6 +409,7 @@ class Sampling {
   std::optional<PointStore> store_;
   std::optional<bool> has_normals_;
   std::vector<float> normals_;
+  SideEvidence evidence_;
   Stopwatch watch_;
 };
 
@@ -428,9 +435,8 @@ Error SplatParams::validate() const {
   }
   if (Error error = checkThreads(threads)) return error;
   if (normal_neighbors < 3) return bad("a normal needs 3 neighbours or more");
-  for (const double v : viewpoint) {
-    if (!std::isfinite(v)) return bad("the viewpoint is not finite; give three numbers");
-  }
+  if (viewpoint && !isFinite(*viewpoint))
+    return bad("the viewpoint is not finite; give three numbers");
   return {};
 }
 

@@ -144,7 +144,7 @@ Error FittedTiles::read(std::size_t tile, Ranks::Bytes& bytes) const {
 
 namespace {
 
-constexpr char kMagic[] = "pcl_slim tiles 4\n";
+constexpr char kMagic[] = "pcl_slim tiles 5\n";
 
 using Bytes = std::vector<unsigned char>;
 
@@ -214,6 +214,7 @@ void visitPlan(Plan& p, Visit& visit) {
   visit(p.record.normals);
   visit(p.traits);
   visit(p.noise.lambda);
+  visit(p.noise.sides.source);
   visit(p.noise.noise.patches);
   visit(p.noise.noise.error);
   visit(p.noise.noise.correlation);

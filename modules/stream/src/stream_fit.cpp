@@ -196,6 +196,7 @@ bool detail::StreamState::takeKept(PointSource& source) {
   halos = std::move(kept.halos);
   balls = std::move(kept.balls);
   sum.sum() = kept.noise;
+  if (kept.noise.sides.source == SideSource::kOrigin) frame.sensor.emplace();
   stats.points = kept.points;
   stats.noise_thinning = kept.thinning;
   stats.tiles = tiles;
@@ -382,6 +383,11 @@ Error StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const S
 const StreamStatistics& StreamFit::statistics() const {
   StreamState& s = *state_;
   s.stats.fit = s.sum.sum();
+  SideSource& sides = s.stats.fit.sides.source;
+  if (!s.frame.with_normals && s.params.fit.viewpoint)
+    sides = SideSource::kViewpoint;
+  else if (sides == SideSource::kNone && s.params.fit.orient)
+    sides = SideSource::kOutward;
   s.stats.coarse_surfels = s.coarse.size();
   s.stats.fit.internals += s.coarse.size();
   s.stats.scratch_read = s.store.file().bytesRead() + s.halo.file().bytesRead();

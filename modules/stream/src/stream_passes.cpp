@@ -11,6 +11,7 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/random.h"
 #include "pcl_slim/fit/tile_fit.h"
@@ -443,6 +444,9 @@ Error detail::StreamState::fitCoarse(const std::vector<unsigned char>& sample) {
   if (sample.empty()) return {};  // of other ranks than the first
   const Result<PointStore> points = PointStore::build(store.record().view(sample), frame, threads);
   if (!points) return points.error();
+  const SideEvidence seen = findSideEvidence(*points, {});  // a kept plan suits any viewpoint
+  sum.sum().sides.source = seen.source;
+  if (seen.source == SideSource::kOrigin) frame.sensor = seen.eye;
   SLIMSurface all;
   if (Error error = fitCoarseLevels(*points, params.fit, job, all)) return error;
   coarse.info = all.info;

@@ -77,11 +77,12 @@ class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
   void setNormalEstimationNeighbors(int k) { params_.normal_neighbors = k; }
   int getNormalEstimationNeighbors() const { return params_.normal_neighbors; }
 
-  /** \brief The point that estimated normals face; not set: the cloud's sensor. */
+  /** \brief The point that estimated normals face; not set: what is known of the cloud's sensor, as
+   * for SLIMFit, or outward. */
   void setViewPoint(double x, double y, double z);
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
-  void clearViewPoint() { has_viewpoint_ = false; }
+  void clearViewPoint() { params_.viewpoint.reset(); }
 
   /** \brief Threads to use; 0 (default) means all cores. Never changes the result. */
   void setNumberOfThreads(unsigned int threads = 0) { params_.threads = static_cast<int>(threads); }
@@ -98,12 +99,9 @@ class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
 
   /** \brief Forgets the last run. */
   void clearResults();
-  /** \brief Samples. \param[in] sensor where estimated normals look by default. */
-  bool run(const CloudView& cloud, const ColorView& colors, const float sensor[3],
-           SplatSet& splats);
+  bool run(const CloudView& cloud, const ColorView& colors, SplatSet& splats);
 
   SplatParams params_;
-  bool has_viewpoint_ = false;
   SplatStatistics statistics_;
 };
 

@@ -14,8 +14,7 @@ namespace pcl_slim {
 /** \brief Normals as pcl::NormalEstimation computes them, from the k nearest neighbours of each
  * point; the library pcl_slim::normals has it. No header of PCL is needed.
  *
- * They face the viewpoint or, where none is given, the sensors of the points or that of the cloud,
- * which is at 0 if it is not known. \param[in] threads 0: all cores. \param[out] normals three
+ * They face the viewpoint or what findSensorEvidence() finds, else outward: see faceNormals(). \param[in] threads 0: all cores. \param[out] normals three
  * floats for each point of the view, 0 for points that are not finite and NaN where there is no
  * normal. \return an error for a k below 3 or beyond the number of finite points. May throw what
  * PCL throws.

@@ -22,7 +22,8 @@ namespace pcl_slim {
  *
  * Values are taken where the point meets the surface. Units and signs: PointCurvature. The normal
  * points to the side of the input's normal at that point, if there is one; otherwise towards the
- * viewpoint, if one is set; otherwise to the surface's outer side; the curvatures' signs follow.
+ * viewpoint, if one is set, or what findSideEvidence() finds; otherwise outward; the curvatures'
+ * signs follow.
  *
  * PointOutT may be any type with some of these fields, all float; others keep their defaults:
  * those of PointCurvature; pc1 pc2 principal_curvature_x.. (pcl::PrincipalCurvatures: k1, k2 and

@@ -65,8 +65,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   std::uint64_t getMaxSurfels() const { return getParameter(params_, &MaxSurfels::leaves); }
 
   /** \brief The point, in the cloud's coordinates, that normals face: those of the output when the
-   * cloud has none, and estimated ones. Not set: they face the sensors of the points or of the
-   * cloud, where these are known; else the leaves' graph decides. */
+   * cloud has none, and estimated ones. Not set: they face what findSideEvidence() finds, as the
+   * sensors of the points or of the cloud; else outward. */
   void setViewPoint(double x, double y, double z);
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
@@ -76,7 +76,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
 
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a
    * lidar on a car or in a hand records it. Without normals, each leaf faces the sensors of its
-   * points, and the noise model uses each point's own beam; the graph of leaves is not searched.
+   * points, and the noise model uses each point's own beam.
    * Points of one position are a frame unless setFrameNumbers() says which are. One for each point,
    * not for each index; points that are NaN may have any. Not set (default, or an empty vector):
    * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
@@ -115,6 +115,10 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   /** \brief Indices of the points that the last fit() left out as outliers, ascending; of equal
    * points the first. */
   const std::vector<std::int32_t>& getOutliers() const { return outliers_; }
+  /** \brief What the last run decided that a user may want otherwise, as the sides of a scan whose
+   * sensor is not known, in a sentence without a full stop; empty where there is nothing. Results
+   * are complete all the same. */
+  const std::string& getWarning() const { return warning_; }
   /** \brief What the last fit() found in its input. */
   const PointStoreStatistics& getInputStatistics() const { return input_statistics_; }
 
@@ -135,6 +139,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   FitStatistics statistics_;
   std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;
+  std::string warning_;
 };
 
 }  // namespace pcl_slim

@@ -33,10 +33,6 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
   /** \brief The surface that the last run fitted; null when it used a given one or failed. */
   const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
 
-  /** \brief Why the last run, a smoothing, found no surface in the points and left all as they are;
-   * empty where it found one. */
-  const std::string& getWarning() const { return warning_; }
-
   // Results --------------------------------------------------------------------------------------
 
   /** \brief How many points the last run moved, and how far. getStatistics() describes its fit. */
@@ -60,6 +56,9 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
   }
   ~SLIMProjectionBase() = default;
 
+  /** \brief Whether the last run, a smoothing, found no surface in the points and left all as they
+   * are; getWarning() says why. */
+  bool foundNoSurface() const { return no_surface_; }
   /** \brief Forgets the last run. */
   void clearResults();
 
@@ -80,7 +79,7 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
                                        const FitParams& fit, const ProjectionParams& requested);
 
   bool keeps_points_;
-  std::string warning_;
+  bool no_surface_ = false;
   SurfaceConstPtr surface_, fitted_surface_;
   CloudProjectionStatistics projection_;
   pcl::Indices unsupported_, outside_;

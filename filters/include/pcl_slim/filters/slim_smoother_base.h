@@ -83,8 +83,8 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
    * On by default: they are exact and nearly free. Off, those fields are copied like others.
    *
    * A normal points to the side of the input's normal at that point, if there is one; otherwise
-   * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
-   * points keep their input's normal, or have a zero one. */
+   * towards the viewpoint, if one is set, or what findSideEvidence() finds; otherwise outward.
+   * Unsupported points keep their input's normal, or have a zero one. */
   void setComputeNormals(bool compute) { compute_normals_ = compute; }
   bool getComputeNormals() const { return compute_normals_; }
 

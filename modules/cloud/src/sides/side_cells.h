@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/cloud/detail/signed_graph.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/vector3.h"
 
@@ -119,26 +120,6 @@ struct CellSheet {
 /** \brief Finds a cell's sheet: the flattest of several neighbourhoods. Where one contains two
  * sheets, the cells of the other sheet are left out. */
 CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants);
-
-/** \brief Edge between two nodes whose signs should be equal or opposite. */
-struct SignedEdge {
-  std::uint32_t a, b;
-  double agreement;    ///< weight; > 0: the signs should be equal, < 0: opposite
-  bool apart = false;  ///< the nodes are on two sheets
-};
-
-/** \brief Signs of the nodes of a graph, and its connected components. */
-struct SignedParts {
-  std::vector<signed char> signs;   ///< relative to the component, which may be turned as a whole
-  std::vector<std::uint32_t> part;  ///< least node of the component of each node
-};
-
-/** \brief Chooses signs s that make the sum of s_a s_b agreement large, by greedy additive
- * contraction (Keuper et al. 2015; signs as in correlation clustering). The two components with the
- * strongest summed agreement are joined, and one of them is turned if the sum is negative, until no
- * edge between components is left. Ties are resolved by the order of nodes. O(edges log^2 edges).
- * \param[in] edges contains each pair once */
-SignedParts contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges);
 
 /** \brief Cells with normals of arbitrary sign, and edges between near cells. */
 struct CellGraph {

@@ -17,51 +17,12 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** Moments of a connected component of the cells. */
-struct Part {
-  double count = 0;      ///< number of points
-  double flux = 0;       ///< sum over the points of (p - mean) . n
-  double reach = 0;      ///< upper bound of the flux: sum of |p - mean|
-  double thickness = 0;  ///< sum over the edges between sheets of the signed gap; < 0: they face
-  Vector3 sum{};         ///< sum of the points
-  Vector3 normal{};      ///< sum of the normals
-
-  /** Whether the component must be turned: its flux is inward; without an inside, its sheets face
-   * each other; of a single sheet, the main component of the mean normal is negative. */
-  bool turned() const {
-    if (std::abs(flux) > kLeastFlux * reach) return flux < 0;
-    if (thickness != 0) return thickness < 0;
-    const auto main = std::max_element(
-        normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    return *main < 0;
-  }
-};
-
 /** Turns every connected component of the cells outward. */
-void turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found) {
-  const std::size_t n = cut.cells.size();
-  std::vector<Part> parts(n);
-  for (std::size_t c = 0; c < n; ++c) {
-    Part& part = parts[found.part[c]];
-    part.count += cut.cells[c].count;
-    part.sum = along(part.sum, cut.cells[c].count, cut.cells[c].mean);
-  }
-  for (std::size_t c = 0; c < n; ++c) {
-    Part& part = parts[found.part[c]];
-    const Vector3 away = along(cut.cells[c].mean, -1 / part.count, part.sum);
-    const double weight = found.signs[c] * cut.cells[c].count;
-    part.flux += weight * dot(away, graph.sheets[c].normal);
-    part.reach += cut.cells[c].count * length(away);
-    part.normal = along(part.normal, weight, graph.sheets[c].normal);
-  }
-  for (const SignedEdge& e : graph.edges) {
-    const Vector3 behind = subtract(cut.cells[e.a].mean, cut.cells[e.b].mean);
-    if (e.apart && found.part[e.a] == found.part[e.b])
-      parts[found.part[e.a]].thickness += found.signs[e.a] * dot(behind, graph.sheets[e.a].normal);
-  }
-  for (std::size_t c = 0; c < n; ++c) {
-    if (parts[found.part[c]].turned()) found.signs[c] = static_cast<signed char>(-found.signs[c]);
-  }
+void turnCellsOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found) {
+  std::vector<SidePatch> patches(cut.cells.size());
+  for (std::size_t c = 0; c < patches.size(); ++c)
+    patches[c] = {cut.cells[c].mean, graph.sheets[c].normal, cut.cells[c].count};
+  turnOutward(patches, graph.edges, found);
 }
 
 /** Cosine between a direction and a point's beam towards its sensor. */
@@ -275,7 +236,7 @@ std::vector<signed char> signsOfAll(const PointStore& store, const SideCells& cu
     found.signs = signsBySensors(store, cut, graph);
   } else {
     found = contractSigned(cut.cells.size(), graph.edges);
-    turnOutward(cut, graph, found);
+    turnCellsOutward(cut, graph, found);
   }
   confidence = agreementOf(graph, found.signs);
   return std::move(found.signs);

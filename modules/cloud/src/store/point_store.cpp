@@ -412,6 +412,21 @@ void PointStore::clearSides() {
   found_sides_ = false;
 }
 
+void PointStore::turnNormals(const std::vector<signed char>& signs) {
+  if (!hasNormals() || signs.size() != size_) return;
+  for (auto* column : {&nx_, &ny_, &nz_}) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      if (signs[i] < 0) (*column)[i] = -(*column)[i];
+    }
+  }
+}
+
+void PointStore::dropNormals() {
+  if (!hasNormals()) return;
+  for (auto* column : {&nx_, &ny_, &nz_}) *column = {};
+  frame_.with_normals = false;
+}
+
 std::size_t PointStore::memoryBytes() const {
   const std::size_t floats = x_.size() + y_.size() + z_.size() + nx_.size() + ny_.size() +
                              nz_.size() + 3 * block_origin_x_.size();

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/cloud/side_evidence.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 
@@ -50,6 +51,34 @@ Error foreignSurface(const CloudProjectionStatistics& statistics) {
               " points: it is of another cloud or faces the other way; give this cloud's"};
 }
 
+/** What the surface should face at a store's points. */
+class WantedSides {
+ public:
+  /** \param[in] seen what points without normals show */
+  WantedSides(const PointStore& store, const SideEvidence& seen) : store_(store), seen_(seen) {
+    if (seen.eye) eye_ = scaled(subtract(*seen.eye, store.origin()), 1 / store.scale());
+  }
+
+  /** Whether a surface normal at a stored point faces the wrong side. */
+  bool facesAway(std::size_t i, const Vector3& position, const std::array<float, 3>& n) const {
+    const Vector3 normal{n[0], n[1], n[2]};
+    if (store_.hasNormals()) {
+      const std::array<float, 3> own = store_.normal(i);
+      return dot({own[0], own[1], own[2]}, normal) < 0;
+    }
+    if (seen_.eye) return dot(subtract(eye_, position), normal) < 0;
+    if (!store_.hasSensors()) return false;
+    // The surface faces the points' sensors as a whole; a grazing beam decides less than it does.
+    const Vector3 ray = subtract(store_.sensor(i), position);
+    return dot(ray, normal) < -detail::SideConstants().clear_beam * length(ray);
+  }
+
+ private:
+  const PointStore& store_;
+  const SideEvidence& seen_;
+  Vector3 eye_{};
+};
+
 }  // namespace
 
 Result<CloudProjection> CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
@@ -60,6 +89,7 @@ Result<CloudProjection> CloudProjection::make(const CloudView& cloud, const SLIM
     Result<PointStore> built = PointStore::build(cloud, params.projection.threads);
     if (!built) return built.error();
     own.emplace(std::move(*built));
+    settleNormals(params.viewpoint, params.projection.threads, *own);
     store = &*own;
   }
   CloudProjection made;
@@ -69,6 +99,12 @@ Result<CloudProjection> CloudProjection::make(const CloudView& cloud, const SLIM
   made.scale_ = store->scale();
   made.input_statistics_ = store->statistics();
   made.stored_ = store->storeOfInput();
+  if (!store->hasNormals() || store->statistics().without_normal > 0) {
+    made.seen_ = findSensorEvidence(*store, params.viewpoint);
+    // A surface faces the origin already where its own points show a scanner there; a piece of them
+    // shows it less well.
+    if (made.seen_.source == SideSource::kOrigin) made.seen_ = {};
+  }
   if (Error error = made.add(*store, surface, progress)) return error;
   std::uint64_t left = store->statistics().far_away;
   if (store->statistics().without_normal > 0) {
@@ -109,6 +145,9 @@ Error CloudProjection::add(const PointStore& store, const SLIMSurface& surface,
                            Progress* progress) {
   Projection more;
   if (Error error = projectPoints(store, surface, params_.projection, more, progress)) return error;
+  const WantedSides wanted(store, seen_);
+  for (std::size_t i = 0; i < store.size(); ++i)
+    turned_.push_back(wanted.facesAway(i, more.position[i], more.normal[i]) ? 1 : 0);
   const std::size_t first = projection_.position.size();
   if (first == 0) {
     projection_ = std::move(more);
@@ -140,6 +179,7 @@ void CloudProjection::keep(const PointStore& store) {
   projection_.normal.resize(count);
   projection_.supported.resize(count);
   projection_.inside.resize(count);
+  turned_.resize(count);
   if (!projection_.curvature.empty()) projection_.curvature.resize(count);
   if (!projection_.principal.empty()) projection_.principal.resize(count);
   measure(count - store.size());
@@ -149,14 +189,16 @@ Error CloudProjection::addRest(const SLIMSurface& surface, Progress* progress,
                                const PointStore* frame, std::uint64_t& left) {
   std::vector<std::int32_t> indices;  // those of non-finite points too: the store skips them again
   std::vector<std::size_t> asked;
+  bool known = cloud_.sensors != nullptr;  // the places that all of them were seen from
   for (std::size_t i = 0; i < size(); ++i) {
     if (stored_[i] != PointStore::kSkipped) continue;
     indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
     asked.push_back(i);
+    known = known && pcl_slim::isFinite(cloud_.sensorPosition(cloud_.inputIndex(i)));
   }
   CloudView rest = cloud_;
   rest.normal = nullptr;
-  rest.sensors = nullptr;
+  if (!known) rest.sensors = nullptr;
   rest.frame_numbers = nullptr;
   rest.indices = indices.data();
   rest.num_indices = indices.size();
@@ -198,44 +240,6 @@ void CloudProjection::measure(std::size_t first) {
   }
 }
 
-/** Where a point was seen from, if that is known. */
-std::optional<std::array<double, 3>> CloudProjection::eyeOf(std::size_t input) const {
-  if (params_.viewpoint) return params_.viewpoint;
-  if (cloud_.sensors) return cloud_.sensorPosition(input);
-  return cloud_.sensor;
-}
-
-float CloudProjection::side(std::size_t i, const ProjectedPoint& point) const {
-  double along = 0.0;
-  if (cloud_.normal != nullptr) {
-    std::array<float, 3> normal;
-    std::memcpy(normal.data(),
-                static_cast<const unsigned char*>(cloud_.normal) +
-                    cloud_.inputIndex(i) * cloud_.normal_stride,
-                sizeof(normal));
-    for (std::size_t a = 0; a < 3; ++a) {
-      along += static_cast<double>(normal[a]) * point.normal[a];
-    }
-  }
-  // A missing normal is zero or not finite, and does not orient the surface.
-  if (along == 0.0 || !std::isfinite(along)) {
-    along = 0.0;
-    double range_sq = 0.0;
-    const auto eye = eyeOf(cloud_.inputIndex(i));
-    for (std::size_t a = 0; a < 3 && eye; ++a) {
-      const double ray = (*eye)[a] - point.position[a];
-      along += ray * point.normal[a];
-      range_sq += ray * ray;
-    }
-    const double clear_beam = detail::SideConstants().clear_beam;
-    // The surface faces the points' sensors as a whole; a grazing beam decides less than the
-    // surface.
-    const bool own = !params_.viewpoint && cloud_.sensors;
-    if (own && along > -clear_beam * std::sqrt(range_sq)) along = 0.0;
-  }
-  return along < 0.0 ? -1.0f : 1.0f;
-}
-
 ProjectedPoint CloudProjection::point(std::size_t i) const {
   const std::size_t s = stored_[i];
   ProjectedPoint point;
@@ -252,7 +256,7 @@ ProjectedPoint CloudProjection::point(std::size_t i) const {
     point.principal = projection_.principal[s];
     rescale(scale_, point.principal);
   }
-  if (side(i, point) < 0.0f) turn(point);
+  if (turned_[s] != 0) turn(point);
   return point;
 }
 

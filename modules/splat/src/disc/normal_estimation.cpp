@@ -148,12 +148,12 @@ class NormalFinder {
 };
 
 /** Turns the normals of a block's points to what they face. */
-void faceSensors(const PointStore& store, const Eigen::Vector3d& eye, std::size_t begin,
-                 std::size_t end, float* normals) {
+void faceSensors(const PointStore& store, bool own_sensors, const Eigen::Vector3d& eye,
+                 std::size_t begin, std::size_t end, float* normals) {
   for (std::size_t i = begin; i < end; ++i) {
     Eigen::Map<Eigen::Vector3f> n(normals + 3 * i);
     Eigen::Vector3d sensor = eye;
-    if (store.hasSensors()) {
+    if (own_sensors) {
       const auto own = store.sensor(i);
       sensor = {own[0], own[1], own[2]};
     }
@@ -161,15 +161,22 @@ void faceSensors(const PointStore& store, const Eigen::Vector3d& eye, std::size_
   }
 }
 
+/** The middle of the blocks. */
+Eigen::Vector3d middleOf(const PointStore& store) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t b = 0; b < store.numBlocks(); ++b)
+    sum += positionOf(store, b * PointStore::kBlock);
+  return sum / static_cast<double>(store.numBlocks());
+}
+
 }  // namespace
 
 std::vector<float> estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
-                                   const double viewpoint[3], int threads) {
+                                   const SideEvidence& evidence, int threads) {
   threads = resolveThreads(threads);
-  Eigen::Vector3d eye;
-  for (int a = 0; a < 3; ++a) {
-    eye[a] = (viewpoint[a] - store.origin()[static_cast<std::size_t>(a)]) / store.scale();
-  }
+  Eigen::Vector3d eye = middleOf(store);
+  for (std::size_t a = 0; a < 3 && evidence.eye; ++a)
+    eye[static_cast<Eigen::Index>(a)] = ((*evidence.eye)[a] - store.origin()[a]) / store.scale();
   std::vector<float> of_store(3 * store.size());
   const auto k = static_cast<std::size_t>(neighbors);
   std::vector<NormalFinder> finders(static_cast<std::size_t>(threads), NormalFinder(store, k));
@@ -177,7 +184,7 @@ std::vector<float> estimateNormals(const PointStore& store, const CloudView& clo
     const std::size_t begin = block * PointStore::kBlock;
     const std::size_t end = std::min(store.size(), begin + PointStore::kBlock);
     finders[static_cast<std::size_t>(thread)].find(block, of_store.data() + 3 * begin);
-    faceSensors(store, eye, begin, end, of_store.data());
+    faceSensors(store, evidence.source == SideSource::kSensors, eye, begin, end, of_store.data());
   });
   const auto stored = store.storeOfInput();
   std::vector<float> normals(3 * cloud.size, 0.0f);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octree/octree.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "pcl_slim/splat/splat_set.h"
 
@@ -70,13 +71,21 @@ class SplatBuilder {
   std::vector<std::array<std::uint32_t, 2>> disc_of_;  ///< slice and row of each point, by order
 };
 
-/** Normals from the principal axes of about k neighbours of each point, facing the sensors of the
- * store or, without any, viewpoint; three floats for each point of the view, zero for those not
- * selected or not finite. store: the same points.
+/** Normals from the principal axes of about k neighbours of each point, facing what the evidence
+ * shows or, if it shows nothing, one place in the middle of the cloud; three floats for each point of
+ * the view, zero for those not selected or not finite. store: the same points.
  *
  * Neighbours are those in a ball whose radius follows the local density, for 16 points of Morton
  * order together; where it has fewer than .6 k or more than 1.7 k, the k nearest. */
 std::vector<float> estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
-                                   const double viewpoint[3], int threads);
+                                   const SideEvidence& evidence, int threads);
+
+/** Turns discs to the eye of the evidence. Where nothing shows which side is out, neighbours agree and
+ * each connected part faces outward, as a surface of the same points does. Those of given normals
+ * turn where these contradict each other, unless they are to be kept. O(discs log discs), and once
+ * O(points log points) where discs seem to contradict each other. \param[in] cloud the points
+ * \return how far its normals contradict each other, if discs turned for it. */
+NormalAgreement settleDiscSides(const SideEvidence& evidence, const CloudView& cloud,
+                                bool keep_given, int threads, SplatSet& splats);
 
 }  // namespace pcl_slim::detail

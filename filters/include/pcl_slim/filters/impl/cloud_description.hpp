@@ -14,6 +14,7 @@
 #include <string>
 #include <type_traits>
 
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/pcl_normals.h"
 
@@ -221,7 +222,7 @@ Result<DescribedCloud> describeCloud(const CloudInput<PointT>& input, const FitP
     view.normal_stride = sizeof(pcl::Normal);
   } else if (input.normal_neighbours != 0) {
     if (Error error = estimateNormals(input, params, described.estimated)) return error;
-    if (view.sensors) faceSensors(view, described.estimated);
+    faceNormals(view, params.viewpoint, params.threads, described.estimated);
     view.normal = described.estimated.data();
     view.normal_stride = 3 * sizeof(float);
   } else if constexpr (pcl::traits::has_normal<PointT>::value) {

@@ -53,6 +53,7 @@ bool ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats) {
   splats = SplatSet();
   clearResults();
   FitParams params;
+  params.viewpoint = params_.viewpoint;
   CloudInput<PointT> input;
   input.cloud = input_;
   if (use_indices_) input.indices = indices_;
@@ -61,12 +62,10 @@ bool ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats) {
     input.search = search_;
     input.normal_neighbours = params_.normal_neighbors;
     params.threads = params_.threads;
-    const double* at = params_.viewpoint;
-    if (has_viewpoint_) params.viewpoint = {at[0], at[1], at[2]};
   }
   const Result<DescribedCloud> cloud = describeCloud(input, params);
   if (!cloud) return fail(cloud.error().code, cloud.error().message);
-  return run(cloud->view, colorsOfPoints(*input_), input_->sensor_origin_.data(), splats);
+  return run(cloud->view, colorsOfPoints(*input_), splats);
 }
 
 template <typename PointT>

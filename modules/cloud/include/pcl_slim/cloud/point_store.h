@@ -146,6 +146,11 @@ class PCL_SLIM_EXPORT PointStore {
   void setSides(const std::vector<std::array<float, 3>>& normals);
   /** \brief Takes them away again; given normals stay. */
   void clearSides();
+  /** \brief Turns the given normals of points whose sign is negative. \param[in] signs one for each
+   * stored point */
+  void turnNormals(const std::vector<signed char>& signs);
+  /** \brief Forgets the given normals. */
+  void dropNormals();
 
   /** \brief Bytes of the store. */
   std::size_t memoryBytes() const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
@@ -101,16 +102,6 @@ struct PCL_SLIM_EXPORT FitParams {
   Error validate() const;
 };
 
-/** \brief What decides which way a surface's normals face. */
-enum class SideSource : unsigned char {
-  kNone,       ///< nothing: FitParams::orient is off
-  kNormals,    ///< the points' normals
-  kSensors,    ///< the place that each point was seen from
-  kViewpoint,  ///< one viewpoint, or the cloud's only sensor
-  kThinParts,  ///< sides that points were given before the cover
-  kOverlaps    ///< a spanning forest of the graph of overlapping leaves
-};
-
 /** \brief What was measured of a cloud's errors. */
 struct NoiseStatistics {
   std::uint64_t patches = 0;     ///< of points, on which noise was measured
@@ -142,7 +133,12 @@ struct SideStatistics {
   /// between sheets and sides are in doubt
   double noise_share = 1;
   SideSource source = SideSource::kNone;
-  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
+  NormalAgreement normals;  ///< of the given ones; they were settled where they contradict
+  // Shares of the points on leaves that face ...
+  std::optional<double> facing;     ///< ... the sensors or the viewpoint that decided
+  double facing_origin = 0;         ///< ... the world's origin
+  double facing_outward = 0;        ///< ... away from the middle of all leaves
+  std::uint64_t overlap_edges = 0;  ///< of the graph of overlapping leaves; 0: there was no need
 };
 
 /** \brief Wall time of the stages of a fit [s]. */

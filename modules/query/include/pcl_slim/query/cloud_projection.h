@@ -8,6 +8,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
@@ -23,7 +24,8 @@ constexpr double kLeastSharedSupport = 0.1;
 /** \brief How a cloud is projected onto a surface. */
 struct CloudProjectionParams {
   ProjectionParams projection;
-  /// normals of points without input normal are turned towards this place, world coordinates
+  /// normals of points without input normal are turned towards this place, world coordinates; none:
+  /// to their sensors, or the cloud's
   std::optional<std::array<double, 3>> viewpoint;
   double least_support =
       0.0;  ///< an error when fewer of the finite points are supported, in [0, 1]
@@ -50,7 +52,7 @@ struct ProjectedPoint {
 
 /** \brief A cloud projected onto a surface, read point by point in the cloud's own order and units.
  *
- * Contains no points: about 50 bytes a point, 82 with principal directions. The cloud behind
+ * Contains no points: about 51 bytes a point, 83 with principal directions. The cloud behind
  * the view must live as long as this object is read.
  */
 class PCL_SLIM_EXPORT CloudProjection {
@@ -109,14 +111,13 @@ class PCL_SLIM_EXPORT CloudProjection {
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
   /** \brief Counts and measures the points whose stored ones begin at first. */
   void measure(std::size_t first);
-  std::optional<std::array<double, 3>> eyeOf(std::size_t input) const;
-  /** \brief -1 where a surface normal at a point must be reversed, else 1. */
-  float side(std::size_t i, const ProjectedPoint& point) const;
 
   CloudView cloud_;
   CloudProjectionParams params_;
+  SideEvidence seen_;  ///< of points without normals
   Projection projection_;
   std::vector<std::uint32_t> stored_;  ///< place in projection_ of each selected point
+  std::vector<char> turned_;           ///< 1: the surface's normal there faces the wrong side
   std::array<double, 3> origin_{};
   double scale_ = 1.0;
   CloudProjectionStatistics statistics_;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
@@ -33,10 +36,11 @@ struct PCL_SLIM_EXPORT SplatParams {
   RgbSpace rgb_space = RgbSpace::kSrgb;      ///< paper mode: kEbu
   SplatColor color = SplatColor::kMean;      ///< paper mode: kOwn
   RadiusRule radius = RadiusRule::kDensity;  ///< paper mode: kCorner
-  bool remove_noise = true;         ///< take the noise of colours and normals off deviations
-  int normal_neighbors = 16;        ///< about, of each point of a cloud without normals; >= 3
-  double viewpoint[3] = {0, 0, 0};  ///< estimated normals face it, unless points have sensors
-  int threads = 0;                  ///< 0: all cores; never changes the result
+  bool remove_noise = true;   ///< take the noise of colours and normals off deviations
+  int normal_neighbors = 16;  ///< about, of each point of a cloud without normals; >= 3
+  /// what estimated normals face; none: what findSideEvidence() finds, or outward
+  std::optional<std::array<double, 3>> viewpoint;
+  int threads = 0;  ///< 0: all cores; never changes the result
 
   /** \brief The first parameter out of range, or no error. */
   Error validate() const;
@@ -59,6 +63,8 @@ struct SplatStatistics {
   double normal_noise = 0;           ///< standard deviation of unit normals, as taken off
   double error = 0;                  ///< budgets: mean Delta E between points and their cells
   bool normals_estimated = false;
+  SideSource sides = SideSource::kNone;  ///< what decided which way the splats face
+  NormalAgreement normals;               ///< of neighbouring splats, if normals were given
   double seconds_order = 0, seconds_normals = 0, seconds_divide = 0, seconds_splats = 0;
 };
 

@@ -36,9 +36,6 @@ struct SideConstants {
   double clear_beam = 0.2;
 };
 
-/// Least |flux| of a part that has an inside [its upper bound].
-constexpr double kLeastFlux = 0.1;
-
 /** \brief Which points get sides. */
 enum class SideScope {
   kAll,
