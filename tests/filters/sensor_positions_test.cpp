@@ -49,12 +49,12 @@ TEST(SensorPositions, DecideTheSidesInEveryClassThatFits) {
   fit.setInputCloud(cloud);
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface));
-  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOverlaps);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOutward);
   fit.setSensorPositions(sensors);
   pcl::PointCloud<PointSLIM> surfels;
   ASSERT_TRUE(fit.fit(surfels)) << fit.getError().message;
   EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kSensors);
-  EXPECT_EQ(fit.getStatistics().sides.overlap_edges, 0u);
+  EXPECT_GT(fit.getStatistics().sides.overlap_edges, 0u);
   EXPECT_EQ(numOutward(surfels), 0u);
 
   SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
@@ -171,7 +171,7 @@ TEST(SensorPositions, ComeFromFieldsOfThePointType) {
   fit.setInputCloud(cloud);
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface));
-  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOverlaps) << "all zero: unknown";
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOutward) << "all zero: unknown";
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     (*cloud)[i].vp_x = static_cast<float>(sensors[i][0]);
     (*cloud)[i].vp_y = static_cast<float>(sensors[i][1]);

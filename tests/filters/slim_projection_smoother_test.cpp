@@ -258,7 +258,12 @@ TEST(SLIMProjectionSmoother, PointsThatAreNoSurfaceStayAndAreWarnedOf) {
   }
   smoother.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
   smoother.process(smooth);
-  EXPECT_TRUE(smoother.getWarning().empty());
+  EXPECT_EQ(smoother.getWarning().find("along lines"), std::string::npos) << smoother.getWarning();
+  EXPECT_NE(smoother.getWarning().find("sides: outward"), std::string::npos)
+      << smoother.getWarning();
+  smoother.setViewPoint(0, 0, 5);
+  smoother.process(smooth);
+  EXPECT_TRUE(smoother.getWarning().empty()) << smoother.getWarning();
 }
 
 TEST(SLIMProjectionSmoother, BadParametersAreErrors) {

@@ -47,7 +47,7 @@ TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor) {
   smoother.setNormalEstimationNeighbors(12);
   smoother.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
   smoother.process(out);
-  sides(out, -1.0f);  // PCL's face the sensor, at the middle
+  sides(out, 1.0f);  // no sensor is known: PCL's are turned outward
   smoother.setNormalEstimationNeighbors(0);
   smoother.process(out);
   sides(out, 1.0f);

@@ -90,7 +90,7 @@ TEST(FitConstants, DecideAFitOfTwoSheetsWithoutNormals) {
 TEST(FitConstants, DecideSidesAndSizes) {
   const Cloud cloud = sceneCloud(Shape::kSphere, 4000, 0.001).withoutNormals();
   expectEachChanges(cloud, FitParams(),
-                    {{"flux", [](FitConstants& c) { c.orient.flat_flux = 2; }}});
+                    {{"overlaps", [](FitConstants& c) { c.orient.reach = 0.01; }}});
   // No cover of a sphere leaves as much: the largest error decides.
   FitParams sized;
   sized.size = TargetError{0.01};

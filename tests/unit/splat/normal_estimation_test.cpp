@@ -31,10 +31,9 @@ void addSphere(PaintedCloud& cloud, double x, int count, double noise) {
 std::vector<float> estimated(const PaintedCloud& cloud, int threads = 1) {
   CloudView view = cloud.view();
   view.normal = nullptr;
-  const double viewpoint[3] = {0, 0, 0};
   const Result<PointStore> store = PointStore::build(view, threads);
   EXPECT_TRUE(store);
-  return detail::estimateNormals(*store, view, kNeighbors, viewpoint, threads);
+  return detail::estimateNormals(*store, view, kNeighbors, {}, threads);
 }
 
 /** RMS angle between the estimated lines and the true ones, in radians. */

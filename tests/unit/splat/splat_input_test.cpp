@@ -208,7 +208,7 @@ TEST(SplatInput, BadParametersAreErrors) {
   bad[5].max_splats = 10;
   bad[5].target_error = 1.0;
   bad[6].normal_neighbors = 2;
-  bad[7].viewpoint[1] = nan;
+  bad[7].viewpoint = {{0, nan, 0}};
   bad[8].geometric_error = inf;
   bad[9].color_error = inf;
   bad[10].threads = 100000;

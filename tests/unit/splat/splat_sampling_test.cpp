@@ -183,7 +183,7 @@ TEST(SplatSampling, TargetErrorIsMet) {
 TEST(SplatSampling, NormalsAreEstimatedWhereThereAreNone) {
   const PaintedCloud cloud = painted(20000);
   SplatParams params = oneThread();
-  params.viewpoint[2] = 100.0;
+  params.viewpoint = {{0, 0, 100}};
   SplatStatistics statistics;
   const SplatSet splats = sampled(cloud, params, &statistics, false);
   EXPECT_TRUE(statistics.normals_estimated);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sides/side_cells.h"
+#include "pcl_slim/cloud/detail/signed_graph.h"
 
 #include <gtest/gtest.h>
 
