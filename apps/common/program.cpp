@@ -35,10 +35,23 @@ void Console::begin(const std::string& what) {
   std::fflush(stdout);
 }
 
+/** Three digits, in the unit that a reader would choose: 16.4 ms, 12.6 s, 7 min 5 s. */
+static std::string durationText(double seconds) {
+  char text[40];
+  if (seconds < 0.9995)
+    std::snprintf(text, sizeof(text), "%.3g ms", 1e3 * seconds);
+  else if (seconds < 99.95)
+    std::snprintf(text, sizeof(text), "%.3g s", seconds);
+  else
+    std::snprintf(text, sizeof(text), "%d min %d s", static_cast<int>(std::lround(seconds)) / 60,
+                  static_cast<int>(std::lround(seconds)) % 60);
+  return text;
+}
+
 void Console::done(double seconds, const std::string& detail) {
   if (quiet_) return;
   clearBar();
-  std::printf("[done, %.4g ms : %s]\n", seconds * 1e3, detail.c_str());
+  std::printf("[done, %s : %s]\n", durationText(seconds).c_str(), detail.c_str());
   std::fflush(stdout);
 }
 

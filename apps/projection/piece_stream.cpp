@@ -202,6 +202,7 @@ Error PieceStream::projectRows(MakeFields fields, const SLIMSurface& surface, Co
   report.time("project", console.seconds());
   reportProjection(sum_, report);
   console.done(std::to_string(sum_.moved) + " points");
+  printProjection(sum_, console);
   if (blocks_.isOpen()) blocks_.reportBlocks(console, report);
   return {};
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projection/projection_job.h"
 
+#include <cstdio>
 #include <utility>
 
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/scan/scan.h"
 #include "projection/block_surface.h"
+#include "scan/fit_job.h"
 
 namespace pcl_slim {
 
@@ -57,11 +59,21 @@ Result<CloudProjection> projectScan(const ProjectionJob& job, const CloudFile& s
   report.time("project", console.seconds());
   reportProjection(projection->statistics(), report);
   console.done(std::to_string(projection->statistics().moved) + " points");
-  if (const auto count = projection->statistics().unsupported; count > 0) {
-    console.note("  " + std::to_string(count) + (count == 1 ? " point" : " points") +
-                 " without support");
-  }
+  printProjection(projection->statistics(), console);
   return projection;
+}
+
+void printProjection(const CloudProjectionStatistics& statistics, Console& console) {
+  if (statistics.moved > 0) {
+    char text[120];
+    std::snprintf(text, sizeof(text),
+                  "  the surface is %.3g RMS from the points, %.3g at most, in the scan's unit",
+                  statistics.rms_displacement, statistics.max_displacement);
+    console.note(text);
+  }
+  if (statistics.unsupported > 0)
+    console.note("  " + counted(statistics.unsupported, "point") +
+                 " without support: there is no surface near");
 }
 
 void reportProjection(const CloudProjectionStatistics& statistics, Report& report) {

@@ -39,6 +39,9 @@ Result<CloudProjection> projectScan(const ProjectionJob& job, const CloudFile& s
                                     const SLIMSurface& surface, const PointStore* store,
                                     Console& console, Report& report);
 
+/** \brief Prints how far the surface is from the points, and how many it does not support. */
+void printProjection(const CloudProjectionStatistics& statistics, Console& console);
+
 /** \brief What became of the points, into the report. */
 void reportProjection(const CloudProjectionStatistics& statistics, Report& report);
 

@@ -196,8 +196,12 @@ std::vector<std::string> coverNotes(const FitStatistics& fit) {
                     " left out; -outliers 1 fits them, too");
   }
   if (fit.uncovered > 0) {
+    constexpr double kMany = 0.02;  // share of the points
+    const bool many = static_cast<double>(fit.uncovered) > kMany * static_cast<double>(fit.points);
     notes.push_back("  " + counted(fit.uncovered, "point") + " not covered, " +
-                    std::to_string(fit.unsupported) + " of them inside no surfel");
+                    std::to_string(fit.unsupported) + " of them inside no surfel: " +
+                    (many ? "too few or scattered points around; -degree 1 or 2 needs fewer"
+                          : "too few points around, as at rims and far from others"));
   }
   if (fit.unresolved > 0) {
     notes.push_back("  " + counted(fit.unresolved, "point") +

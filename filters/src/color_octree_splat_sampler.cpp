@@ -31,7 +31,10 @@ bool ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& c
   const bool done = guarded("the sampling", "sample fewer points", [&] {
     return sampleSplats(cloud, colors, params_, splats, &statistics_, &control_.progress);
   });
-  if (!done) splats = SplatSet();
+  if (done)
+    warnOfSides(statistics_.sides, statistics_.normals);
+  else
+    splats = SplatSet();
   return done;
 }
 

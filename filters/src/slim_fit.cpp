@@ -19,11 +19,17 @@ namespace pcl_slim {
 
 void ControlledRun::clearResults() {
   error_ = {};
+  warning_.clear();
 }
 
 bool ControlledRun::fail(ErrorCode code, const std::string& message) {
   error_ = {code, message};
   return false;
+}
+
+void ControlledRun::warnOfSides(SideSource source, const NormalAgreement& normals) {
+  for (const std::string& note : sideNotes(source, normals, "setViewPoint(x, y, z)"))
+    warning_ += (warning_.empty() ? "" : "; ") + note;
 }
 
 bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
@@ -57,7 +63,6 @@ void SLIMFitBase::clearResults() {
   statistics_ = {};
   outliers_.clear();
   input_statistics_ = {};
-  warning_.clear();
 }
 
 Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted) {
@@ -74,9 +79,7 @@ Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, Fit
     outliers_.push_back(
         static_cast<std::int32_t>(scan.points.inputIndex(fitted.store.orderOfStore()[i])));
   std::sort(outliers_.begin(), outliers_.end());
-  const SideStatistics& sides = statistics_.sides;
-  for (const std::string& note : sideNotes(sides.source, sides.normals, "setViewPoint(x, y, z)"))
-    warning_ += (warning_.empty() ? "" : "; ") + note;
+  warnOfSides(statistics_.sides.source, statistics_.sides.normals);
   return error;
 }
 

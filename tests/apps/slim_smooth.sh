@@ -49,6 +49,9 @@ for key in program version input output points threads seconds total load fit pr
   grep -q "\"$key\"" a.json || complain "no $key in the report"
 done
 grep -q '^> Projecting \[done, .* ms : .* points\]' out.txt || complain "no Projecting line"
+rms=$(sed -n "s/^  the surface is \([^ ]*\) RMS from the points, [^ ]* at most, in the scan's unit$/\1/p" out.txt)
+awk -v said="$rms" -v kept="$(value a.json rms_displacement)" 'BEGIN { exit !(said > 0 && (said - kept) ^ 2 < 1e-4 * kept ^ 2) }' ||
+  complain "the surface is '$rms' from the points, $(value a.json rms_displacement) in the report"
 expect 0 '' near.pcd b.pcd -threads 1 -quiet 1
 [ ! -s out.txt ] || complain "-quiet is not quiet"
 same a.pcd b.pcd

@@ -148,10 +148,12 @@ TEST(SideWarnings, SplatsOfTheSameScanHaveTheSameSide) {
   };
   ASSERT_TRUE(sampler.sample(splats)) << sampler.getError().message;
   EXPECT_EQ(sampler.getStatistics().sides, SideSource::kOrigin);
+  EXPECT_EQ(sampler.getWarning(), kOriginNote);
   EXPECT_EQ(numAway(), 0u);
   for (auto& p : *room) p.x += 20;
   ASSERT_TRUE(sampler.sample(splats));
   EXPECT_EQ(sampler.getStatistics().sides, SideSource::kOutward);
+  EXPECT_EQ(sampler.getWarning(), kOutwardNote);
   for (auto& p : splats) p.x -= 20;
   EXPECT_EQ(numAway(), splats.size());
   double x, y, z;
@@ -159,6 +161,7 @@ TEST(SideWarnings, SplatsOfTheSameScanHaveTheSameSide) {
   sampler.setViewPoint(20, 0, 0);
   ASSERT_TRUE(sampler.sample(splats));
   EXPECT_EQ(sampler.getStatistics().sides, SideSource::kViewpoint);
+  EXPECT_TRUE(sampler.getWarning().empty()) << sampler.getWarning();
   for (auto& p : splats) p.x -= 20;
   EXPECT_EQ(numAway(), 0u);
 }

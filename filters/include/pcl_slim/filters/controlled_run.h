@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "pcl_slim/cloud/side_evidence.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
@@ -44,6 +45,10 @@ class PCL_SLIM_EXPORT ControlledRun {
 
   /** \brief Why the last run failed, in one sentence; no error after a success. */
   const Error& getError() const { return error_; }
+  /** \brief What the last run decided that a user may want otherwise, as the sides of a scan whose
+   * sensor is not known, in a sentence without a full stop; empty where there is nothing. Results
+   * are complete all the same. */
+  const std::string& getWarning() const { return warning_; }
 
  protected:
   ControlledRun() = default;
@@ -53,6 +58,8 @@ class PCL_SLIM_EXPORT ControlledRun {
   void clearResults();
   /** \brief Records an error. \return false, as the run itself does. */
   bool fail(ErrorCode code, const std::string& message);
+  /** \brief Warns of what sideNotes() says. */
+  void warnOfSides(SideSource source, const NormalAgreement& normals);
   /** \brief Records the Error that body() returns, that it was cancelled meanwhile, or what it
    * threw. Takes no memory before body() runs. \param[in] work what body does, as in "the fit";
    * \param[in] remedy where memory does not suffice. \return whether all went well. */
@@ -64,6 +71,7 @@ class PCL_SLIM_EXPORT ControlledRun {
 
   RunControl control_;
   Error error_;
+  std::string warning_;
 
  private:
   bool guardedCall(const char* work, const char* remedy, Error (*call)(const void*),

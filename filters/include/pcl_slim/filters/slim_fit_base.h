@@ -115,10 +115,6 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   /** \brief Indices of the points that the last fit() left out as outliers, ascending; of equal
    * points the first. */
   const std::vector<std::int32_t>& getOutliers() const { return outliers_; }
-  /** \brief What the last run decided that a user may want otherwise, as the sides of a scan whose
-   * sensor is not known, in a sentence without a full stop; empty where there is nothing. Results
-   * are complete all the same. */
-  const std::string& getWarning() const { return warning_; }
   /** \brief What the last fit() found in its input. */
   const PointStoreStatistics& getInputStatistics() const { return input_statistics_; }
 
@@ -139,7 +135,6 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   FitStatistics statistics_;
   std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;
-  std::string warning_;
 };
 
 }  // namespace pcl_slim
