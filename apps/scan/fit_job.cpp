@@ -333,10 +333,13 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
   reportFit(fittedPoints(fitted.store), surface, statistics, report);
   console.done(std::to_string(statistics.leaves) + " leaves, " +
                counted(surface.numLevels(), "level"));
-  console.note("  " + noiseText(fitted.store.diagonal() * fitted.store.scale(), statistics));
+  const double diagonal = fitted.store.diagonal() * fitted.store.scale();
+  console.note("  " + noiseText(diagonal, statistics));
   if (std::holds_alternative<TargetError>(job.params.size) ||
       std::holds_alternative<MaxSurfels>(job.params.size))
     console.note("  " + solvedText(statistics));
+  if (std::holds_alternative<TargetDistance>(job.params.size))
+    console.note("  " + solvedText(statistics, diagonal));
   if (statistics.sides.points > 0) console.note("  " + sidesText(statistics));
   printSideNotes(statistics.sides.source, statistics.sides.normals, console);
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);

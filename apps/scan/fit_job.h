@@ -107,8 +107,9 @@ std::string counted(std::uint64_t count, const std::string& what);
 std::string noiseText(double diagonal, const FitStatistics& fit);
 
 /** \brief "solved: penalty 618, residual 0.002 of the diagonal; -noise_factor 206 repeats it": what
- * a fit to a target came to. */
-std::string solvedText(const FitStatistics& fit);
+ * a fit to a target came to. \param[in] diagonal in the scan's unit, for "residual 0.03 RMS" in it;
+ * 0: a share is printed */
+std::string solvedText(const FitStatistics& fit, double diagonal = 0);
 
 /** \brief How many points got a side before the cover, and how sure those are; empty if none did.
  */

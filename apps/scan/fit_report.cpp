@@ -141,12 +141,13 @@ std::string noiseText(double diagonal, const FitStatistics& fit) {
   return line + (fit.noise.varies ? ", varying over the scan" : "");
 }
 
-std::string solvedText(const FitStatistics& fit) {
+std::string solvedText(const FitStatistics& fit, double diagonal) {
   char text[160];
-  std::snprintf(
-      text, sizeof(text),
-      "solved: penalty %.3g, residual %.3g of the diagonal; -noise_factor %.6g repeats it",
-      fit.penalty, fit.rms_error, fit.noise_factor);
+  const bool in_unit = diagonal > 0;
+  std::snprintf(text, sizeof(text),
+                "solved: penalty %.3g, residual %.3g %s; -noise_factor %.6g repeats it",
+                fit.penalty, fit.rms_error * (in_unit ? diagonal : 1),
+                in_unit ? "RMS" : "of the diagonal", fit.noise_factor);
   return text;
 }
 

@@ -159,12 +159,23 @@ for pair in '-paper -penalty 2' '-paper -trim 1' '-paper -hole 9'; do
 done
 expect 2 'a number from 1e-12 to 1' scan.pcd d.pcd -target_error 1.5
 expect 2 'a number' scan.pcd d.pcd -penalty nan
+expect 2 'options -noise and -lambda exclude each other; give one' scan.pcd d.pcd -lambda 1e-6 -noise 0.01
+expect 2 'exclude each other' scan.pcd d.pcd -noise 0.01 -noise_model .01,0,0
+expect 2 'exclude each other' scan.pcd d.pcd -target_error 0.01 -target_distance 0.1
+expect 1 'wider than the cloud' scan.pcd d.pcd -noise 1e6
+# Noise in the scan's unit is its lambda.
+expect 0 '' scan.pcd unit.slim -noise 0.02 -json unit.json
+grep -q '  noise 0.02 RMS' out.txt || complain "the noise given is not used: $(cat out.txt)"
+expect 0 '' scan.pcd share.slim -lambda "$(value unit.json lambda)" -json share.json
+awk -v l="$(value unit.json lambda)" -v d="$(value unit.json diagonal)" \
+  'BEGIN { r = l / (0.02 / d) ^ 2; exit !(r > 0.999999 && r < 1.000001) }' || complain "lambda $(value unit.json lambda)"
+[ "$(value unit.json leaves)" = "$(value share.json leaves)" ] || complain "-noise is not its lambda"
 expect 0 '' scan.pcd most.slim -max_surfels 100000
 grep -q -- '-max_surfels 100000 has no effect' out.txt || complain "an idle bound is not told"
 expect 0 '' scan.pcd most.slim -max_surfels 300
 ! grep -q 'has no effect' out.txt || complain "a bound that binds is said to have no effect"
 grep -q '  solved: penalty [0-9.e+]*, residual ' out.txt || complain "no penalty: $(cat out.txt)"
-for goal in '-max_surfels 100' '-target_error 0.01' '-sharp -max_surfels 300'; do
+for goal in '-max_surfels 100' '-target_error 0.01' '-target_distance 0.01' '-sharp -max_surfels 300'; do
   # The option that the line names, in place of the goal, gives the same bytes.
   # shellcheck disable=SC2086
   expect 0 '' measured.pcd solved.slim $goal

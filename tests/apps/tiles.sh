@@ -42,7 +42,7 @@ for form in pcd ply vtp; do
 done
 
 # What tiles cannot do.
-for option in '-paper 1' '-target_error 0.01' '-max_surfels 50' '-estimate_normals 10'; do
+for option in '-paper 1' '-target_error 0.01' '-target_distance 0.1' '-max_surfels 50' '-estimate_normals 10'; do
   # shellcheck disable=SC2086
   expect 2 'by tiles' scan.pcd refused.slim -tile_points 20000 $option
 done

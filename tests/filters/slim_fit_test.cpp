@@ -62,6 +62,27 @@ pcl::PointCloud<pcl::PointXYZ>::Ptr cameraCloud() {
   return cloud;
 }
 
+TEST(SLIMFit, NoiseAndTargetInTheCloudsUnit) {
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setNoise(0.005);
+  fit.setTargetDistance(0.02);
+  EXPECT_EQ(fit.getNoise(), 0.005);
+  EXPECT_EQ(fit.getParams().noise, 0.005);
+  EXPECT_EQ(fit.getTargetDistance(), 0.02);
+  EXPECT_EQ(fit.getTargetError(), 0.0);
+  fit.setNoise(0);
+  fit.setTargetDistance(0);
+  EXPECT_EQ(fit.getNoise(), 0.0);
+  EXPECT_EQ(fit.getTargetDistance(), 0.0);
+  EXPECT_TRUE(std::holds_alternative<PenaltyWeight>(fit.getParams().size));
+  fit.setNoise(0.005);
+  fit.setNoiseLevel(1e-6);
+  fit.setInputCloud(bumpySphere<pcl::PointXYZ>(2000));
+  SLIMSurface surface;
+  EXPECT_FALSE(fit.fit(surface));
+  EXPECT_EQ(fit.getError().message, "noise and lambda are one quantity in two units: give one");
+}
+
 TEST(SLIMFit, FitsEveryCompiledPointType) {
   const auto fits = [](auto point) {
     using Point = decltype(point);

@@ -33,14 +33,16 @@ Result<FitParams> settledParams(const PointStore& store, const FitParams& asked,
   if (store.size() == 0) return badInput("the store holds no points: build it from some");
   FitParams usable = asked;
   usable.sharp_features = asked.sharp_features && store.hasNormals();
-  FitParams params = resolvedParams(usable, preset);
+  Result<FitParams> resolved = resolvedParams(usable, store.frame(), preset);
+  if (!resolved) return resolved;
+  FitParams& params = *resolved;
   if (evidence.eye) params.viewpoint = evidence.eye;
   if (params.noise_model && !params.viewpoint && !store.hasSensors()) {
     return Error{ErrorCode::kBadArgument,
                  "a noise model tells errors along rays: give the viewpoint that they come from"};
   }
   if (Error error = checkNormals(store, params)) return error;
-  return params;
+  return resolved;
 }
 
 /** The points that a fit takes: all of a store, or a store without outliers. */

@@ -56,12 +56,15 @@ constexpr FitParameter kParameters[] = {
     row("target_error", &TargetError::rms, Option::kFit,
         "RMS residual to reach, as a share of the box diagonal", {1e-12, 1, "off"},
         {kAbove0, 1, "the target error is a share of the diagonal: 0 to 1"}),
+    row("target_distance", &TargetDistance::rms, Option::kFit,
+        "RMS residual to reach, in the scan's unit", {1e-30, 1e30, "off"},
+        {kAbove0, kFinite, "the target distance must be positive (0: unused)"}),
     row("max_surfels", &MaxSurfels::leaves, Option::kFit,
         "most leaves allowed; 0: as many as it takes", {0, kMany, "0"},
         {1, kFinite, "a surface has one surfel or more: raise their number"}),
     row("noise_factor", &NoiseFactor::factor, Option::kFit,
-        "residuals and penalty as if the noise variance were X times as large: what -target_error "
-        "and -max_surfels solve for",
+        "residuals and penalty as if the noise variance were X times as large: what -target_error, "
+        "-target_distance and -max_surfels solve for",
         {1e-6, 1e30, "off"}, {kAbove0, kFinite, "the noise factor must be positive (0: unused)"}),
     row("least_radius", &P::least_radius, Option::kFit,
         "radius of the smallest ball, in the scan's units: no finer detail is kept",
@@ -94,8 +97,13 @@ constexpr FitParameter kParameters[] = {
         "leaves cover their whole balls: fewer surfels, thinner overlap", {0, 1, "0", "", 1.0},
         {kAbove0, 1, "the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)"}),
     row("lambda", &P::lambda, Option::kFit,
-        "noise variance, as a share of the squared box diagonal", {1e-30, 1, "estimated"},
-        {kAbove0, kFinite, "lambda must be positive (0: estimated)"}),
+        "noise variance, as a share of the squared box diagonal; -noise gives it in the scan's "
+        "unit",
+        {1e-30, 1, "estimated"}, {kAbove0, kFinite, "lambda must be positive (0: estimated)"}),
+    row("noise", &P::noise, Option::kFit,
+        "RMS error of the points, in the scan's unit, in place of -lambda",
+        {1e-30, 1e30, "estimated"},
+        {kAbove0, kFinite, "the noise must be positive (0: estimated)"}),
     row("viewpoint", &P::viewpoint, Option::kSensor,
         "the side that the normals of a scan without normals shall face", {0, 0, "none", "X,Y,Z"}),
     row("threads", &P::threads, Option::kThreads, "threads, 0: all cores; never changes the result",
@@ -139,15 +147,17 @@ Error validateTogether(const FitParams& params) {
   const auto infinite = [](double x) { return !std::isfinite(x); };
   if (params.viewpoint && std::any_of(params.viewpoint->begin(), params.viewpoint->end(), infinite))
     return bad("the viewpoint must be finite");
+  if (params.noise && params.lambda)
+    return bad("noise and lambda are one quantity in two units: give one");
   if (!params.noise_model) return {};
   const auto& [a, b, c] = *params.noise_model;
   const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
   if (!valid(a) || !valid(b) || !valid(c) || !(a + b + c > 0))
     return bad("the noise model's a, b, c must not be negative nor all 0");
-  if (params.lambda || params.local_noise == true || no_noise)
+  if (params.lambda || params.noise || params.local_noise == true || no_noise)
     return bad(
-        "a noise model stands in place of lambda, local noise, T_MDL and the paper's choices: give "
-        "one");
+        "a noise model stands in place of noise, lambda, local noise, T_MDL and the paper's "
+        "choices: give one");
   return {};
 }
 
@@ -160,13 +170,15 @@ const std::vector<FitParameter>& fitParameters() {
 
 const std::vector<std::vector<const char*>>& exclusiveFitParameters() {
   static const std::vector<std::vector<const char*>> sets = {
-      {"penalty", "t_mdl", "target_error", "max_surfels", "noise_factor"},
+      {"penalty", "t_mdl", "target_error", "target_distance", "max_surfels", "noise_factor"},
       {"paper", "penalty"},
       {"paper", "trim"},
       {"paper", "hole"},
       {"normals_as_data", "t_mdl"},
       {"normals_as_data", "paper"},
+      {"noise", "lambda"},
       {"noise_model", "lambda"},
+      {"noise_model", "noise"},
       {"noise_model", "local_noise"},
       {"noise_model", "t_mdl"},
       {"noise_model", "paper"}};
@@ -187,6 +199,7 @@ Error FitParams::validate() const {
 std::vector<IdleFitParameter> idleParameters(const FitParams& params, const FitStatistics& fit) {
   std::vector<IdleFitParameter> idle;
   const std::string given = params.lambda           ? "-lambda"
+                            : params.noise          ? "-noise"
                             : params.hasThreshold() ? "-t_mdl"
                             : params.paper_mode     ? "-paper"
                                                     : "";

@@ -82,6 +82,40 @@ FitParams resolvedParams(const FitParams& params, const PresetConstants& constan
   return settled;
 }
 
+namespace {
+
+/** L in world units. */
+double worldDiagonal(const StoreFrame& frame) {
+  return frame.diagonal * frame.scale;
+}
+
+std::string formatted(const char* format, double a, double b) {
+  char text[256];
+  std::snprintf(text, sizeof(text), format, a, b);
+  return text;
+}
+
+}  // namespace
+
+Result<FitParams> resolvedParams(const FitParams& params, const StoreFrame& frame,
+                                 const PresetConstants& constants) {
+  constexpr double kLeastShare = 1e-15;  // so that the variance is no denormal number
+  FitParams settled = resolvedParams(params, constants);
+  if (!params.noise) return settled;
+  const double diagonal = worldDiagonal(frame);
+  // Points at one place have no diagonal; they are no surface, whatever their noise.
+  const double share = diagonal > 0 ? std::max(*params.noise / diagonal, kLeastShare) : 1.0;
+  if (share > 1) {
+    return Error{ErrorCode::kBadArgument,
+                 formatted("noise of %g RMS is wider than the cloud, whose diagonal is %g: give it "
+                           "in the cloud's unit",
+                           *params.noise, diagonal)};
+  }
+  settled.lambda = share * share;
+  settled.noise.reset();
+  return settled;
+}
+
 FitPlan framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants) {
   FitPlan plan = presetOf(params, constants);
   plan.diagonal = frame.diagonal;
@@ -127,12 +161,6 @@ struct CoverResult {
   double leaves = 0;  ///< number of them
   double rms = 0;     ///< residual of the leaves [share of L]
 };
-
-std::string formatted(const char* format, double a, double b) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, a, b);
-  return text;
-}
 
 /** x to six significant digits. */
 double rounded(double x) {
@@ -212,19 +240,35 @@ class FactorSearch {
   Progress* progress_;
 };
 
+/** An RMS residual to reach, as a share of L, and how an error names it and what is reachable. */
+struct TargetResidual {
+  double share;
+  const char* refusal;
+  double unit;  ///< of the numbers in the refusal, over L
+};
+
+TargetResidual residualOf(const TargetError& target) {
+  return {target.rms,
+          "the target error %g L lies below what noise and density allow: ask for %g L or more", 1};
+}
+
+TargetResidual residualOf(const TargetDistance& target, double diagonal) {
+  return {target.rms / diagonal,
+          "the target distance %g lies below what noise and density allow: ask for %g or more",
+          diagonal};
+}
+
 /** The factor whose cover leaves an RMS residual. */
-Result<double> factorForError(const FactorSearch& search, double target) {
+Result<double> factorForError(const FactorSearch& search, const TargetResidual& residual) {
+  const double target = residual.share;
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.rms, 1e-12) / target); };
   const Result<CoverResult> finest = search.run(search.least());
   if (!finest) return finest.error();
   const double tolerance = std::log(1 + search.constants().error_tolerance);
   if (std::abs(goal(*finest)) <= tolerance) return search.least();
   if (goal(*finest) > 0) {
-    return Error{
-        ErrorCode::kBadArgument,
-        formatted(
-            "the target error %g L lies below what noise and density allow: ask for %g L or more",
-            target, finest->rms)};
+    return Error{ErrorCode::kBadArgument,
+                 formatted(residual.refusal, target * residual.unit, finest->rms * residual.unit)};
   }
   const Result<CoverResult> coarsest = search.run(search.most());
   if (!coarsest) return coarsest.error();
@@ -258,7 +302,9 @@ Result<SizedPlan> sizedPlan(const PointStore& store, const FitPlan& plan, const 
   if (const auto* given = std::get_if<NoiseFactor>(&size))
     factor = given->factor;
   else if (const auto* target = std::get_if<TargetError>(&size))
-    factor = factorForError(search, target->rms);
+    factor = factorForError(search, residualOf(*target));
+  else if (const auto* distance = std::get_if<TargetDistance>(&size))
+    factor = factorForError(search, residualOf(*distance, worldDiagonal(store.frame())));
   else if (const auto* most = std::get_if<MaxSurfels>(&size))
     factor = factorForCount(search, static_cast<double>(most->leaves));
   if (!factor) return factor.error();

@@ -168,6 +168,10 @@ struct FitPlan {
 
 /** \brief A user's parameters with degree and penalty settled. */
 FitParams resolvedParams(const FitParams& params, const PresetConstants& constants);
+/** \brief The same for a store's frame: noise in the cloud's unit becomes lambda. \return an error
+ * for noise wider than the cloud */
+Result<FitParams> resolvedParams(const FitParams& params, const StoreFrame& frame,
+                                 const PresetConstants& constants);
 
 /** \brief The preset that a user's parameters name, with the widths that a store's frame sets: what
  * the radii of levels depend on. */
@@ -184,7 +188,7 @@ struct SizedPlan {
 };
 
 /** \brief A plan whose noise variance is multiplied by a NoiseFactor, or by the factor that meets a
- * TargetError or MaxSurfels; with another SizeRule the plan as it is.
+ * TargetError, TargetDistance or MaxSurfels; with another SizeRule the plan as it is.
  *
  * The error a user allows is treated as if it were noise: covers are run while the factor is moved
  * by secant steps in log-log until the RMS residual meets the target within 3 %, or the leaves

@@ -100,7 +100,9 @@ LevelRadii levelRadii(const StoreFrame& frame, const FitParams& params) {
 Result<MeasuredTraits> measureTraits(const PointStore& sample, const FitParams& asked,
                                      const TraitsSample& how) {
   const FitConstants constants = windowedConstants(how);
-  const FitParams params = resolvedParams(asked, constants.preset);
+  const Result<FitParams> resolved = resolvedParams(asked, sample.frame(), constants.preset);
+  if (!resolved) return resolved.error();
+  const FitParams& params = *resolved;
   const int threads = resolveThreads(params.threads);
   MeasuredTraits measured;
   if (Error error = checkNormals(sample, params)) return error;
@@ -132,7 +134,8 @@ Error checkTileParams(const FitParams& params) {
     return no("the paper's mode",
               "its balls start at a tenth of the cloud's "
               "width; fit in memory, or leave it");
-  if (std::holds_alternative<TargetError>(params.size))
+  if (std::holds_alternative<TargetError>(params.size) ||
+      std::holds_alternative<TargetDistance>(params.size))
     return no("a target error", "give a penalty, or fit in memory");
   if (std::holds_alternative<MaxSurfels>(params.size))
     return no("a number of surfels", "give a penalty, or fit in memory");

@@ -38,16 +38,16 @@ std::string identityOf(const PointSource& source, const StreamParams& params) {
   const std::optional<double> kappa = penalty ? penalty->kappa : std::nullopt;
   const double t_mdl = threshold ? threshold->t : 0;
   char text[600];
-  std::snprintf(text, sizeof(text),
-                "%llu %d %d %llu %d %.17g %.17g %.17g %.17g %.17g %.17g %d %d %d %.17g %d %.17g %d "
-                "%.17g %llu ",
-                static_cast<unsigned long long>(source.size()), static_cast<int>(source.scalar()),
-                source.hasNormals(), static_cast<unsigned long long>(params.tile_points),
-                f.degree.value_or(0), kappa.value_or(0), t_mdl, f.lambda.value_or(0),
-                f.cover_radius.value_or(0), f.cover_threshold, f.least_radius.value_or(0),
-                f.sharp_features, f.robust, local, f.noise_correlation.value_or(0),
-                f.normals_as_data, f.normal_error.value_or(0), f.trim, f.hole_size,
-                static_cast<unsigned long long>(f.seed));
+  std::snprintf(
+      text, sizeof(text),
+      "%llu %d %d %llu %d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %d %d %d %.17g %d %.17g %d "
+      "%.17g %llu ",
+      static_cast<unsigned long long>(source.size()), static_cast<int>(source.scalar()),
+      source.hasNormals(), static_cast<unsigned long long>(params.tile_points),
+      f.degree.value_or(0), kappa.value_or(0), t_mdl, f.lambda.value_or(0), f.noise.value_or(0),
+      f.cover_radius.value_or(0), f.cover_threshold, f.least_radius.value_or(0), f.sharp_features,
+      f.robust, local, f.noise_correlation.value_or(0), f.normals_as_data,
+      f.normal_error.value_or(0), f.trim, f.hole_size, static_cast<unsigned long long>(f.seed));
   return text + params.source_name;
 }
 

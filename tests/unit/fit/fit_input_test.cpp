@@ -195,8 +195,18 @@ TEST(FitInput, RefusesBadParameters) {
   for (const double value : {-0.01, 0.0, nan, inf}) sized(MDLThreshold{value});
   for (const double value : {-0.01, 0.0, 1.5, 3.0, nan, inf}) sized(TargetError{value});
   for (const double value : {-0.01, 0.0, nan, inf}) sized(NoiseFactor{value});
+  for (const double value : {-0.01, 0.0, nan, inf}) sized(TargetDistance{value});
   sized(MaxSurfels{0});
   for (const double value : {-1e-9, 0.0, nan, inf}) with(&FitParams::lambda, value);
+  for (const double value : {-1e-9, 0.0, nan, inf}) with(&FitParams::noise, value);
+  FitParams twice;
+  twice.noise = 0.001;
+  twice.lambda = 1e-6;
+  expectRefused(twice);
+  twice.lambda.reset();
+  EXPECT_FALSE(twice.validate());
+  twice.noise_model = {{0.001, 0, 0}};
+  expectRefused(twice);
   for (const double value : {-0.5, 0.0, 1.01, nan}) with(&FitParams::cover_radius, value);
   for (const double value : {0.0, -0.1, nan, inf}) with(&FitParams::cover_threshold, value);
   for (const double value : {-1.0, 0.0, nan, inf}) with(&FitParams::least_radius, value);

@@ -2,10 +2,13 @@
 // Penalties, noise given or measured, outliers, and a box that says nothing about the object.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "pcl_slim/cloud/noise_level.h"
+#include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -86,6 +89,64 @@ TEST(FitModes, TakesTheNoiseItIsGiven) {
   EXPECT_NEAR(given.statistics.lambda, 1e-6, 1e-13);
   EXPECT_NEAR(std::sqrt(measured.statistics.lambda), 0.0001, 0.00002);
   EXPECT_LT(given.statistics.leaves, measured.statistics.leaves);
+}
+
+/** lambda of a noise in the cloud's unit. */
+double lambdaOf(double noise, const PointStore& store) {
+  const double share = noise / (store.diagonal() * store.scale());
+  return share * share;
+}
+
+TEST(FitModes, NoiseInTheCloudsUnitIsItsLambda) {
+  const Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.002);
+  struct Unit {
+    double scale;
+    std::array<double, 3> origin;
+  };
+  for (const auto& [scale, origin] :
+       {Unit{1, {0, 0, 0}}, Unit{1000, {0, 0, 0}}, Unit{1, {432100.5, 5412345.25, -310}}}) {
+    Cloud moved = cloud;
+    for (std::size_t i = 0; i < moved.points.size(); ++i)
+      moved.points[i] = scale * moved.points[i] + origin[i % 3];
+    for (const bool paper : {false, true}) {
+      FitParams in_unit, as_share;
+      in_unit.paper_mode = as_share.paper_mode = paper;
+      in_unit.noise = 0.01 * scale;
+      as_share.lambda = lambdaOf(*in_unit.noise, storeOf(moved));
+      const auto f = fitted(moved, in_unit), expected = fitted(moved, as_share);
+      EXPECT_GT(f.statistics.leaves, 0u);
+      EXPECT_EQ(encodeSlim(f.surface), encodeSlim(expected.surface)) << scale << " " << origin[0];
+      EXPECT_EQ(f.statistics.lambda, expected.statistics.lambda);
+    }
+  }
+}
+
+TEST(FitModes, NoiseIsLambdaBesideOutliersToo) {
+  Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.002).withoutNormals();
+  cloud.add(9, 9, 9);
+  FitParams in_unit, as_share;
+  in_unit.noise = 0.01;
+  as_share.lambda = lambdaOf(0.01, storeOf(cloud));
+  const auto f = fitted(cloud, in_unit);
+  EXPECT_GT(f.statistics.outliers, 0u);
+  EXPECT_EQ(encodeSlim(f.surface), encodeSlim(fitted(cloud, as_share).surface));
+}
+
+TEST(FitModes, NoiseWiderThanTheCloudIsRefused) {
+  const PointStore store = storeOf(sceneCloud(Shape::kTorus, 2000, 0.0));
+  FitParams params;
+  params.noise = 5 * store.diagonal() * store.scale();
+  SLIMSurface surface;
+  const Error error = fitSurface(store, params, surface);
+  EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+  EXPECT_NE(error.message.find("wider than the cloud"), std::string::npos) << error.message;
+  // The smallest and largest numbers neither vanish nor overflow, nor do points at one place.
+  params.noise = 1e-300;
+  EXPECT_FALSE(fitSurface(store, params, surface));
+  EXPECT_EQ(surface.validate().message, "");
+  Cloud place;
+  for (int i = 0; i < 50; ++i) place.add(1, 2, 3);
+  EXPECT_EQ(fitSurface(storeOf(place), params, surface).code, ErrorCode::kNoSurface);
 }
 
 TEST(FitModes, TheBoxDoesNotMatter) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace pcl_slim {
 namespace {
@@ -68,6 +69,24 @@ TEST(FitParameters, ASizeRuleSetTo0ReturnsToTheDefault) {
   setParameter(params, &TargetError::rms, 0.0);
   EXPECT_TRUE(std::holds_alternative<PenaltyWeight>(params.size));
   EXPECT_EQ(getParameter(params, &PenaltyWeight::kappa), 0.0);
+}
+
+TEST(FitParameters, NoiseIsUnsetBy0) {
+  FitParams params;
+  setParameter(params, &FitParams::noise, 0.005);
+  EXPECT_EQ(getParameter(params, &FitParams::noise), 0.005);
+  setParameter(params, &FitParams::noise, 0.0);
+  EXPECT_FALSE(params.noise);
+}
+
+TEST(FitParameters, GivenNoiseMakesItsMeasureIdle) {
+  FitParams params;
+  params.noise = 0.005;
+  params.local_noise = false;
+  const std::vector<IdleFitParameter> idle = idleParameters(params, FitStatistics());
+  ASSERT_EQ(idle.size(), 1u);
+  EXPECT_EQ(idle[0].name, "local_noise");
+  EXPECT_NE(idle[0].reason.find("-noise"), std::string::npos);
 }
 
 TEST(FitParameters, WithoutEffect) {

@@ -32,6 +32,25 @@ TEST(Penalty, ReachesATargetError) {
   }
 }
 
+TEST(Penalty, ATargetDistanceIsATargetErrorInTheCloudsUnit) {
+  Cloud cloud = sceneCloud(Shape::kBumpy, 6000, 0.0003);
+  for (double& value : cloud.points) value *= 1000;
+  const PointStore store = storeOf(cloud);
+  const double diagonal = store.diagonal() * store.scale(), target = 2;
+  FitParams share, distance;
+  share.size = TargetError{target / diagonal};
+  distance.size = TargetDistance{target};
+  const auto f = fitted(cloud, distance);
+  EXPECT_NEAR(f.statistics.rms_error * diagonal, target, 0.05 * target);
+  EXPECT_EQ(encodeSlim(f.surface), encodeSlim(fitted(cloud, share).surface));
+
+  distance.size = TargetDistance{1e-6 * diagonal};
+  SLIMSurface surface;
+  const Error error = fitSurface(store, distance, surface);
+  EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+  EXPECT_EQ(error.message.find("the target distance 0.00"), 0u) << error.message;
+}
+
 TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem) {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
   FitParams params;

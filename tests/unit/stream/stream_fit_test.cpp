@@ -201,6 +201,29 @@ TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles) {
   EXPECT_LT(statistics.fit.open_leaves, statistics.fit.leaves / 5000);
 }
 
+TEST(StreamFit, NoiseInTheCloudsUnitIsItsLambda) {
+  Cloud cloud = torus(40000);
+  const double origin[] = {432100.5, 5412345.25, -310};
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points[i] = 1000 * cloud.points[i] + origin[i % 3];
+  StreamParams in_unit = smallTiles(), as_share = smallTiles();
+  in_unit.fit.noise = 6;
+  const PointStore store = storeOf(cloud);
+  const double share = 6 / (store.diagonal() * store.scale());
+  as_share.fit.lambda = share * share;
+  StreamStatistics statistics, expected;
+  EXPECT_EQ(encodeSlim(byTiles(cloud, in_unit, &statistics)),
+            encodeSlim(byTiles(cloud, as_share, &expected)));
+  EXPECT_GE(statistics.tiles, 2u);
+  EXPECT_EQ(statistics.fit.lambda, expected.fit.lambda);
+  EXPECT_NEAR(statistics.fit.lambda, share * share, 1e-9 * share * share);
+
+  in_unit.fit.noise = 1e6;
+  CloudSource source(cloud.view());
+  SLIMSurface surface;
+  EXPECT_EQ(fitTiles(source, in_unit, surface).code, ErrorCode::kBadArgument);
+}
+
 TEST(StreamFit, RefusesWhatTilesCannotDo) {
   const Cloud cloud = torus(30000);
   CloudSource source(cloud.view());
@@ -216,6 +239,8 @@ TEST(StreamFit, RefusesWhatTilesCannotDo) {
   refused(params, "by tiles");
   params = smallTiles();
   params.fit.size = TargetError{0.01};
+  refused(params, "by tiles");
+  params.fit.size = TargetDistance{0.01};
   refused(params, "by tiles");
   params = smallTiles();
   params.fit.size = MaxSurfels{100};

@@ -28,8 +28,8 @@ using FrameNumbers = std::shared_ptr<const std::vector<std::uint32_t>>;
  *
  * params() has all parameters, which FitParams documents with their defaults; the usual ones have a
  * setter here, the others in SLIMFitSetters. Setters take 0 for a parameter that is not set. None
- * changes another parameter, but of the five that set how fine the surface is (penalty, MDL
- * threshold, target error, surfels, noise factor) the last one set counts. Values are checked when
+ * changes another parameter, but of the six that set how fine the surface is (penalty, MDL
+ * threshold, target error, target distance, surfels, noise factor) the last one set counts. Values are checked when
  * fit() runs.
  */
 class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters {
@@ -59,6 +59,10 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
    * penalty; 0 is off (default). */
   void setTargetError(double error) { setParameter(params_, &TargetError::rms, error); }
   double getTargetError() const { return getParameter(params_, &TargetError::rms); }
+
+  /** \brief The same in the cloud's unit; 0 is off (default). */
+  void setTargetDistance(double rms) { setParameter(params_, &TargetDistance::rms, rms); }
+  double getTargetDistance() const { return getParameter(params_, &TargetDistance::rms); }
 
   /** \brief Most leaves allowed, by solving for the penalty; 0 is off (default). */
   void setMaxSurfels(std::uint64_t count) { setParameter(params_, &MaxSurfels::leaves, count); }

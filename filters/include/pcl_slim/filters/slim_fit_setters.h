@@ -26,6 +26,7 @@ class SLIMFitSetters {
  public:
   PCL_SLIM_PARAMETER(double, NoiseFactor, NoiseFactor::factor)
   PCL_SLIM_PARAMETER(double, NoiseLevel, FitParams::lambda)
+  PCL_SLIM_PARAMETER(double, Noise, FitParams::noise)
   PCL_SLIM_PARAMETER(double, CoverRadius, FitParams::cover_radius)
   PCL_SLIM_PARAMETER(double, CoverThreshold, FitParams::cover_threshold)
   PCL_SLIM_PARAMETER(double, LeastRadius, FitParams::least_radius)

@@ -28,17 +28,22 @@ struct MDLThreshold {
 struct TargetError {
   double rms = 0.0;  ///< (0, 1] [L]
 };
+/** \brief The same for an RMS residual in the cloud's unit. */
+struct TargetDistance {
+  double rms = 0.0;  ///< > 0 [world units]
+};
 /** \brief Solves for the noise factor that gives at most this number of leaves. */
 struct MaxSurfels {
   std::uint64_t leaves = 0;  ///< 1 or more
 };
-/** \brief Residuals and penalty as if the noise variance were a multiple of lambda: what the two
+/** \brief Residuals and penalty as if the noise variance were a multiple of lambda: what the three
  * above solve for. */
 struct NoiseFactor {
   double factor = 0.0;  ///< > 0
 };
 /** \brief What decides how fine a surface is. */
-using SizeRule = std::variant<PenaltyWeight, MDLThreshold, TargetError, MaxSurfels, NoiseFactor>;
+using SizeRule =
+    std::variant<PenaltyWeight, MDLThreshold, TargetError, MaxSurfels, NoiseFactor, TargetDistance>;
 
 /** \brief A parameter from a number of which 0 means that it is not set. */
 template <typename Number>
@@ -52,6 +57,9 @@ struct PCL_SLIM_EXPORT FitParams {
   std::optional<int> degree;     ///< of polynomials, 1..4; unset: 4, or 2 with sharp features
   SizeRule size;                 ///< how fine the surface is
   std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
+  /// RMS error of the points, > 0 [world units], at most L: in place of lambda, the variance
+  /// (noise / L)^2
+  std::optional<double> noise;
   /// alpha in (0, 1]: leaves cover the points within alpha r, 1 is the compact setting; unset: 2/3,
   /// and .55 for leaves of a large effective count
   std::optional<double> cover_radius;

@@ -19,13 +19,12 @@
 namespace pcl_slim {
 
 /** \brief Where a parameter is: a member of FitParams, or of one of its size rules. */
-using FitMember =
-    std::variant<bool FitParams::*, int FitParams::*, std::uint64_t FitParams::*,
-                 double FitParams::*, std::optional<bool> FitParams::*,
-                 std::optional<int> FitParams::*, std::optional<double> FitParams::*,
-                 std::optional<std::array<double, 3>> FitParams::*,
-                 std::optional<double> PenaltyWeight::*, double MDLThreshold::*,
-                 double TargetError::*, std::uint64_t MaxSurfels::*, double NoiseFactor::*>;
+using FitMember = std::variant<
+    bool FitParams::*, int FitParams::*, std::uint64_t FitParams::*, double FitParams::*,
+    std::optional<bool> FitParams::*, std::optional<int> FitParams::*,
+    std::optional<double> FitParams::*, std::optional<std::array<double, 3>> FitParams::*,
+    std::optional<double> PenaltyWeight::*, double MDLThreshold::*, double TargetError::*,
+    std::uint64_t MaxSurfels::*, double NoiseFactor::*, double TargetDistance::*>;
 
 /** \brief Which programs have a parameter as an option. */
 enum class FitOption : unsigned char {
