@@ -83,7 +83,6 @@ struct Stages {
   const SizedPlan& sized;
   const LevelCover& cover;
   const SLIMSurface& surface;
-  const SideEvidence& evidence;
   Orientation turned;
   std::uint64_t gaps;  ///< surfels whose gaps were measured
   FitSeconds seconds;
@@ -109,7 +108,7 @@ FitStatistics statisticsOf(const Stages& fit) {
   stats.sides.source = fit.turned.source;
   stats.sides.overlap_edges = fit.turned.overlap_edges;
   stats.sides.facing = fit.turned.facing;
-  measureFacing(fit.evidence, fit.surface, stats.sides);
+  measureFacing(fit.surface, stats.sides);
   stats.trim_candidates = fit.gaps;
   stats.seconds = fit.seconds;
   stats.threads = fit.threads;
@@ -178,8 +177,8 @@ Error fitStages(const FitConstants& constants, const PointStore& all, const FitP
   const std::uint64_t gaps = makeTrimMaps(after, sized->plan, params, threads, surface);
   seconds.trim = watch.lap();
 
-  const FitStatistics found = statisticsOf({points, fitted.outliers, sides, *sized, cover, surface,
-                                            evidence, turned, gaps, seconds, threads});
+  const FitStatistics found = statisticsOf(
+      {points, fitted.outliers, sides, *sized, cover, surface, turned, gaps, seconds, threads});
   if (statistics != nullptr) *statistics = found;
   if (Error error = checkLeaves(points, found)) return error;
   if (kept != nullptr) keepSides(fitted.outliers, threads, sides, *kept);

@@ -181,8 +181,7 @@ Orientation orientSurface(const PointStore* store, const SideEvidence& evidence,
   return found;
 }
 
-void measureFacing(const SideEvidence& evidence, const SLIMSurface& surface,
-                   SideStatistics& sides) {
+void measureFacing(const SLIMSurface& surface, SideStatistics& sides) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   const std::vector<SidePatch> patches = patchesOf(surface, leaves);
   Vector3 sum{};
@@ -199,7 +198,6 @@ void measureFacing(const SideEvidence& evidence, const SLIMSurface& surface,
     sides.facing_outward = 1 - facing(middle);
   }
   sides.facing_origin = facing({});
-  if (evidence.eye) sides.facing = facing(*evidence.eye);
 }
 
 void turnToSides(const PointStore& store, const OrientConstants& constants, int threads,

@@ -33,7 +33,7 @@ std::vector<SignedEdge> overlapGraph(const SLIMSurface& surface,
 struct Orientation {
   SideSource source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph of leaves
-  std::optional<double> facing;     ///< share of the points whose leaves face their sensors
+  std::optional<double> facing;     ///< share of the points whose leaves face the evidence
 };
 
 /** \brief Gives surfels fitted without normals a common side; flips them in place.
@@ -48,8 +48,8 @@ struct Orientation {
 Orientation orientSurface(const PointStore* store, const SideEvidence& evidence,
                           const OrientConstants& constants, int threads, SLIMSurface& surface);
 
-/** \brief Fills in the shares of the points on leaves that face what could decide. O(leaves). */
-void measureFacing(const SideEvidence& evidence, const SLIMSurface& surface, SideStatistics& sides);
+/** \brief Fills in the shares of the points on leaves that face the origin and outward. O(leaves). */
+void measureFacing(const SLIMSurface& surface, SideStatistics& sides);
 
 /** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted,
  * with sides */

@@ -205,9 +205,8 @@ std::vector<std::uint32_t> separateFans(std::size_t num_vertices, std::vector<Tr
 }
 
 std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int threads) {
-  // A region keeps its side against its neighbours from so many triangles an edge of its border on:
-  // small ones are errors of the contour, large ones have theirs from the surface.
-  constexpr double kOwnSide = 0.05;
+  // Small regions are errors of the contour, large ones have their side from the surface.
+  constexpr double kOwnSide = 0.05;  // weight of a triangle's own side [edge of the border]
   const EdgeTable table(triangles, threads);
   SignedRegions regions(triangles.size());
   std::vector<SignedEdge> edges;  // between triangles that disagree
