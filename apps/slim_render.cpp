@@ -120,7 +120,7 @@ Result<std::uint64_t> renderSurfaceModel(const Settings& s, const Model& model,
                                          const Turntable& table, Report& report,
                                          double& save_seconds) {
   SurfaceRenderer renderer(model.surface, s.threads);
-  const ShadingParams shading = s.picture.shadingFor(false, s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   RenderStatistics total;
   std::size_t lines = 0;
   Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
@@ -199,12 +199,13 @@ Result<std::uint64_t> renderTracedModel(const Settings& s, const Model& model,
 }
 
 /** Writes a page in place of a picture. */
-Error writePage(const Settings& s, const Model& model, const Camera& camera, Console& console,
+Error writePage(const Settings& s, const Model& model, const ChosenView& view, Console& console,
                 Report& report) {
+  const Camera& camera = view.camera;
   console.begin("Writing " + s.output);
   PageParams params;
   params.title = PageRequest::titleOf(s.input);
-  params.up = s.view.upwards(model.spheres());
+  params.up = view.up;
   params.precision = s.page.precision;
   params.lines = s.lines.inSpace();
   const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
@@ -262,8 +263,10 @@ bool wantsBlock(const Settings& s, const WorldBox& box) {
 }
 
 /** Which blocks of a surface with level of detail are drawn. A camera of the program's own choice
- * looks at the levels above the tiles, and is a given one from then on. */
-Result<std::vector<bool>> blocksInDetail(Settings& s, SlimBlockReader& reader, bool& opens) {
+ * looks at the levels above the tiles, and is a given one from then on. \param[out] chosen by the
+ * program */
+Result<std::vector<bool>> blocksInDetail(Settings& s, SlimBlockReader& reader,
+                                         std::optional<ChosenView>& chosen) {
   const SlimDirectory& directory = reader.directory();
   std::vector<bool> above;
   for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
@@ -271,19 +274,19 @@ Result<std::vector<bool>> blocksInDetail(Settings& s, SlimBlockReader& reader, b
   if (!coarse) return coarse.error();
   if (coarse->empty()) return std::vector<bool>(above.size(), true);
   coarse->buildLinks();
-  const BoundingSpheres spheres = spheresOf(*coarse);
-  opens = s.view.opens(spheres);
-  s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(spheres);
+  const bool colored = coarse->hasColors();
+  chosen = viewBesideBar(s, s.picture.shadingFor(colored, 1)).viewOf(spheresOf(*coarse));
+  s.view.given = chosen->camera;
   return blocksOfFrame(directory, *coarse, *s.view.given, s.lod);
 }
 
 /** Of a surface in blocks only what the picture may show. */
-Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, bool& opens) {
+Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, std::optional<ChosenView>& chosen) {
   const SlimDirectory& directory = reader.directory();
   Result<std::vector<bool>> blocks = std::vector<bool>(directory.blocks.size(), true);
   // Of a region the part with surface has to be found before a camera can be chosen.
   if (s.lod > 0.0 && hasOneView(s) && (s.view.given || s.region.sides.empty()))
-    blocks = blocksInDetail(s, reader, opens);
+    blocks = blocksInDetail(s, reader, chosen);
   if (!blocks) return blocks.error();
   for (std::size_t b = 0; b < blocks->size(); ++b)
     (*blocks)[b] = (*blocks)[b] && wantsBlock(s, directory.boxOf(directory.blocks[b]));
@@ -298,13 +301,14 @@ Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, bool& opens) {
   return model;
 }
 
-/** Loads what is drawn, with the borders that it is to have. \param[out] opens whether a camera that
- * was chosen looks into the object */
-Result<Model> loadDrawn(Settings& s, bool& opens, Console& console, Report& report) {
+/** Loads what is drawn, with the borders that it is to have. \param[out] chosen the view, where it
+ * had to be chosen to load what it shows */
+Result<Model> loadDrawn(Settings& s, std::optional<ChosenView>& chosen, Console& console,
+                        Report& report) {
   console.begin("Loading " + s.input);
   SlimBlockReader reader;
   const bool in_blocks = lowerExtension(s.input) == ".slim" && !reader.open(s.input);
-  Result<Model> model = in_blocks ? loadBlocks(s, reader, opens) : loadModel(s.input);
+  Result<Model> model = in_blocks ? loadBlocks(s, reader, chosen) : loadModel(s.input);
   if (!model) return console.failed(model.error());
   if (!s.trim) model->surface.dropTrimMaps();
   model->surface.closeHoles(s.hole, s.threads);
@@ -365,7 +369,7 @@ Exit draw(const Settings& s, const Model& model, const Turntable& table, Console
           Report& report) {
   FileTransaction files;
   const Camera camera = table.camera(0);
-  Error error = PageRequest::isPage(s.output) ? writePage(s, model, camera, console, report)
+  Error error = PageRequest::isPage(s.output) ? writePage(s, model, table.first(), console, report)
                                               : renderModel(s, model, table, console, report);
   if (error) return exitOfDrawing(console.failed(error));
   report.set("camera", {{"position", camera.position},
@@ -385,8 +389,8 @@ Exit run(const OptionTable& options, Settings& s) {
   Console console(s.quiet);
   Report report(options, s.input, s.threads);
 
-  bool opens = false;
-  Result<Model> model = loadDrawn(s, opens, console, report);
+  std::optional<ChosenView> chosen;
+  Result<Model> model = loadDrawn(s, chosen, console, report);
   if (!model) return Exit::usage(model.error());
   if (model->is_splats && s.lines.any()) {
     return Exit::usage(console.failed(
@@ -397,20 +401,21 @@ Exit run(const OptionTable& options, Settings& s) {
                                 "a picture of " + s.view.size_text, "ask for a smaller picture"))
     return console.failed(error);
 
-  const bool page = PageRequest::isPage(s.output);
-  const ShadingParams shading =
-      s.picture.shadingFor(page ? model->hasColors() : model->splats.hasColors(), 1);
+  const ShadingParams shading = s.picture.shadingFor(model->hasColors(), 1);
   noteIdleOptions(options, s, *model, shading, console);
   const ViewRequest view = viewBesideBar(s, shading);
   const Result<BoundingSpheres> object =
       s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return Exit::usage(console.failed(object.error()));
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
-  if (s.sides == "auto" && s.region.sides.empty() && (opens || s.view.opens(*object))) {
+  const Turntable table(view, *object, s.turntable);
+  if (!chosen) chosen = table.first();
+  if (!chosen->words.empty()) console.note("  " + chosen->words);
+  if (s.sides == "auto" && s.region.sides.empty() && chosen->opens) {
     s.sides = "front";
     console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
   }
-  return draw(s, *model, Turntable(view, *object, s.turntable), console, report);
+  return draw(s, *model, table, console, report);
 }
 
 }  // namespace

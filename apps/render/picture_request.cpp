@@ -11,8 +11,7 @@ void PictureRequest::declareColors(OptionTable& table) {
       "mode", &mode,
       {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "error",
        "reflection", "color", "raytraced", "crest", "contours", "sketch"},
-      "what the colours show; auto: splats, and surfaces in a page, in their colours if they have "
-      "any; others shaded");
+      "what the colours show; auto: the model in its colours if it has any, others shaded");
   table.text(
       "range", &range_text, "auto|X|LO,HI",
       "values that the colours span, -X to X for curvatures and 0 to X for errors; auto: the "
@@ -20,8 +19,7 @@ void PictureRequest::declareColors(OptionTable& table) {
   table.choice("map", &map, {"auto", "diverging", "perceptual"}, "colours of numbers");
   table.toggle("bar", &bar, "draw the colours with their numbers and unit into the picture");
   table.text("unit", &unit, "NAME", "unit of length that -bar names, such as mm");
-  table.choice("lighting", &lighting, {"auto", "0", "1"},
-               "light on the colours; auto: all but -mode color");
+  table.toggle("lighting", &lighting, "light on the colours");
 }
 
 void PictureRequest::declareFinish(OptionTable& table) {
@@ -52,7 +50,7 @@ ShadingParams PictureRequest::shadingFor(bool has_colors, int threads) const {
   ShadingParams params;
   const std::string automatic = has_colors ? "color" : "shaded";
   params.mode = *shadingModeOf(mode == "auto" || isTraced() ? automatic : mode);
-  params.lighting = lighting == "auto" ? params.mode != ShadingMode::kColor : lighting == "1";
+  params.lighting = lighting;
   params.range = range;
   params.map = map == "diverging"    ? ColorMap::kDiverging
                : map == "perceptual" ? ColorMap::kPerceptual

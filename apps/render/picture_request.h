@@ -13,8 +13,8 @@ namespace pcl_slim {
 
 /** \brief What a picture shows, as given on the command line. */
 struct PictureRequest {
-  std::string mode = "auto", range_text = "auto", map = "auto", unit, lighting = "auto";
-  bool bar = false, white = false;
+  std::string mode = "auto", range_text = "auto", map = "auto", unit;
+  bool lighting = true, bar = false, white = false;
   double occlusion = 0.6;
   int supersampling = 2;
   std::array<double, 2> range{};  ///< of range_text; equal: automatic

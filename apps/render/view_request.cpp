@@ -28,11 +28,18 @@ Error parseSize(const std::string& text, ImageSize& size) {
   return {};
 }
 
+constexpr UpAxis kUpAxes[] = {UpAxis::kAuto,   UpAxis::kX,      UpAxis::kY,     UpAxis::kZ,
+                              UpAxis::kMinusX, UpAxis::kMinusY, UpAxis::kMinusZ};
+
 UpAxis upAxis(const std::string& name) {
-  return name == "x"   ? UpAxis::kX
-         : name == "y" ? UpAxis::kY
-         : name == "z" ? UpAxis::kZ
-                       : UpAxis::kAuto;
+  return *std::find_if(std::begin(kUpAxes), std::end(kUpAxes),
+                       [&name](UpAxis axis) { return nameOf(axis) == name; });
+}
+
+std::vector<std::string> upNames() {
+  std::vector<std::string> names;
+  for (const UpAxis axis : kUpAxes) names.push_back(nameOf(axis));
+  return names;
 }
 
 /** \brief Azimuth and elevation of -view; none for auto. */
@@ -63,17 +70,16 @@ Error parseView(const std::string& text, std::vector<double>& angles) {
 Turntable::Turntable(const ViewRequest& request, const BoundingSpheres& object, int count)
     : count_(count) {
   if (count == 1) {
-    first_ = request.cameraFor(object);
+    first_ = request.viewOf(object);
     return;
   }
-  axis_ = request.upwards(object);
-  const BoundingSpheres swept = sweptAbout(object, axis_);
+  const BoundingSpheres swept = sweptAbout(object, request.viewOf(object).up);
   pivot_ = swept.origin;
-  first_ = request.cameraFor(object, swept);
+  first_ = request.viewOf(object, swept);
 }
 
 Camera Turntable::camera(int turn) const {
-  return turnedCamera(first_, pivot_, axis_, turn, count_);
+  return turnedCamera(first_.camera, pivot_, first_.up, turn, count_);
 }
 
 std::string Turntable::path(const std::string& path, int turn, int count) {
@@ -92,11 +98,11 @@ void ViewRequest::declareCamera(OptionTable& table) {
   table.text(
       "view", &view, "NAME|AZ,EL",
       "auto, front, back, left, right, top, bottom, iso, or azimuth and elevation in degrees");
-  table.choice("up", &up, {"auto", "x", "y", "z"}, "axis that points upwards");
+  table.choice("up", &up, upNames(), "axis that points upwards");
   table.text(
       "camera", &camera, "auto|FILE|PX,PY,PZ,LX,LY,LZ,UX,UY,UZ[,FOV]",
       "a file of -save_camera, or position, target and upward direction in world coordinates");
-  table.number("fov", &fov, 1.0, 150.0, "vertical field of view in degrees");
+  table.number("fov", &fov, 1.0, 150.0, "vertical field of view in degrees", "30, amid a scene 60");
   table.toggle("ortho", &orthographic, "parallel projection");
   table.exclusive({"camera", "view"});
   table.exclusive({"camera", "fov"});
@@ -106,8 +112,9 @@ Error ViewRequest::parse() {
   if (Error error = parseSize(size_text, size)) return error;
   if (Error error = parseView(view, angles)) return error;
   if (camera == "auto") return {};
-  const Result<Camera> read =
-      looksLikeCamera(camera) ? cameraFromText(camera, fov) : loadCamera(camera);
+  const Result<Camera> read = looksLikeCamera(camera)
+                                  ? cameraFromText(camera, fov > 0.0 ? fov : Camera().fov)
+                                  : loadCamera(camera);
   if (!read) return read.error();
   if (orthographic) {
     return badOption("-ortho frames the object itself: give -view instead of -camera");
@@ -117,28 +124,41 @@ Error ViewRequest::parse() {
   return {};
 }
 
-Camera ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const {
-  if (given) return *given;
-  UpAxis axis = upAxis(up);
-  ViewDirection direction;
-  if (angles.empty()) {
-    direction = chooseView(object, axis);
-  } else {
-    if (axis == UpAxis::kAuto) axis = guessUpAxis(object);
-    direction = viewFromAngles(axis, angles[0], angles[1]);
-  }
+Camera ViewRequest::framing(const BoundingSpheres& framed, const ViewDirection& direction) const {
   return orthographic ? fitOrthographicCamera(framed, direction, size, kMargin, right_margin)
-                      : fitCamera(framed, direction, size, fov, kMargin, right_margin);
+                      : fitCamera(framed, direction, size, fov > 0.0 ? fov : Camera().fov, kMargin,
+                                  right_margin);
 }
 
-bool ViewRequest::opens(const BoundingSpheres& object) const {
-  return !given && isSeenFromInside(object);
+ChosenView ViewRequest::viewOf(const BoundingSpheres& object) const {
+  ChosenView chosen = viewOf(object, object);
+  if (given || orthographic || !angles.empty()) return chosen;
+  const SceneView scene = chooseView(object, upAxis(up));
+  if (!scene.amid) return chosen;
+  chosen.camera = pcl_slim::cameraFor(scene, object, size, fov);
+  chosen.words = "view: up " + nameOf(scene.axis) + ", " + scene.from + "; -view iso for the whole";
+  return chosen;
 }
 
-std::array<double, 3> ViewRequest::upwards(const BoundingSpheres& object) const {
-  const UpAxis axis = upAxis(up);
-  if (angles.empty()) return upwardsIn(object, axis);
-  return upwardsIn(object, axis == UpAxis::kAuto ? guessUpAxis(object) : axis);
+ChosenView ViewRequest::viewOf(const BoundingSpheres& object, const BoundingSpheres& framed) const {
+  const SceneView scene = chooseView(object, upAxis(up));
+  ChosenView chosen;
+  chosen.up = scene.up;
+  if (given) {
+    chosen.camera = *given;
+    return chosen;
+  }
+  chosen.opens = scene.opens;
+  if (!angles.empty()) {
+    chosen.camera = framing(framed, viewFromAngles(scene.axis, angles[0], angles[1]));
+    if (up == "auto") chosen.words = "view: up " + nameOf(scene.axis);
+  } else {
+    chosen.camera = framing(framed, scene.direction);
+    chosen.words = "view: up " + nameOf(scene.axis) + ", " + scene.from;
+  }
+  const bool is_z = scene.axis == UpAxis::kZ || scene.axis == UpAxis::kMinusZ;
+  if (up == "auto") chosen.words += std::string("; -up ") + (is_z ? "y" : "z") + " for the other";
+  return chosen;
 }
 
 namespace {

@@ -14,10 +14,18 @@
 
 namespace pcl_slim {
 
+/** \brief The view that a request gives of an object. */
+struct ChosenView {
+  Camera camera;
+  std::array<double, 3> up{};  ///< of the object, whichever way the camera looks
+  bool opens = false;  ///< drawn without its near side, which hides the inside that was scanned
+  std::string words;   ///< what was chosen, for the console; nothing of a camera given
+};
+
 /** \brief A camera as given on the command line. */
 struct ViewRequest {
   std::string camera = "auto", view = "auto", up = "auto", size_text = "800x600";
-  double fov = 30.0;
+  double fov = 0.0;           ///< 0: by the object
   double right_margin = 0.0;  ///< share of the width that the object is to leave free there
   bool orthographic = false;
   ImageSize size;               ///< of size_text
@@ -32,15 +40,13 @@ struct ViewRequest {
   /** \brief Reads size_text, view and camera; checks what needs no object. */
   Error parse();
 
-  /** \brief The camera for an object, once parse() has gone well. */
-  Camera cameraFor(const BoundingSpheres& object) const { return cameraFor(object, object); }
-  /** \brief The same, at a position from which framed fits into the picture. */
-  Camera cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const;
-  /** \brief Whether an object is to be drawn without its near side, which hides the inside that was
-   * scanned: seen from outside, by a camera of this request's choice. */
-  bool opens(const BoundingSpheres& object) const;
-  /** \brief The upward direction of the object, whichever way the camera looks. */
-  std::array<double, 3> upwards(const BoundingSpheres& object) const;
+  /** \brief The view of an object, once parse() has gone well. */
+  ChosenView viewOf(const BoundingSpheres& object) const;
+  /** \brief The same of the whole object, with a camera from which framed fits into the picture. */
+  ChosenView viewOf(const BoundingSpheres& object, const BoundingSpheres& framed) const;
+
+ private:
+  Camera framing(const BoundingSpheres& framed, const ViewDirection& direction) const;
 };
 
 /** \brief The cameras of pictures all the way round an upright object, to the right. One that the
@@ -51,13 +57,15 @@ class Turntable {
 
   int count() const { return count_; }
   Camera camera(int turn) const;
+  /** \brief The first view. */
+  const ChosenView& first() const { return first_; }
 
   /** \brief OUT_000.png, OUT_001.png ... for OUT.png; OUT.png itself if there is but one. */
   static std::string path(const std::string& path, int turn, int count);
 
  private:
-  Camera first_;
-  std::array<double, 3> axis_{}, pivot_{};
+  ChosenView first_;
+  std::array<double, 3> pivot_{};
   int count_;
 };
 

@@ -36,7 +36,6 @@ void placeIn(const CloudView& points, const std::vector<std::size_t>& sample,
 
 BoundingSpheres spheresOfPoints(const CloudView& points) {
   BoundingSpheres object;
-  object.oriented = points.normal != nullptr;
   object.seen_radius = 0.0;
   const std::vector<std::size_t> sample = sampleOf(points);
   if (sample.empty()) return object;

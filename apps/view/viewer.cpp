@@ -231,7 +231,7 @@ void Viewer::begin() {
     const std::string automatic = scene_.hasColors() ? "color" : "shaded";
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
-    if (settings_.region.sides.empty() && settings_.view.opens(scene_.spheres()))
+    if (settings_.region.sides.empty() && settings_.view.viewOf(scene_.spheres()).opens)
       mapper->setSides(VisibleSides::kFront);
   }
   if (SLIMMapper* surface = scene_.surfaceMapper()) {
@@ -281,7 +281,7 @@ void Viewer::resetCamera() {
   BoundingSpheres object = scene_.spheres();
   if (Result<BoundingSpheres> part = settings_.region.within(object)) object = std::move(*part);
   settings_.view.right_margin = scene_.barShown() ? kBarShare : 0.0;
-  setCamera(settings_.view.cameraFor(object), renderer_);
+  setCamera(settings_.view.viewOf(object).camera, renderer_);
   setTurningPoint(object, renderer_->GetActiveCamera());
   if (parallel && !settings_.view.orthographic) onKey("o");
   framed_ = placeOf(renderer_->GetActiveCamera());

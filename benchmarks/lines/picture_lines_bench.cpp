@@ -159,7 +159,7 @@ Exit run(Settings& s) {
   s.lines.crest = s.lines.suggestive = s.lines.contour = true;
   const BoundingSpheres object = spheresOf(*surface);
   View view;
-  view.camera = fitCamera(object, chooseView(object), {s.width, s.height});
+  view.camera = cameraFor(chooseView(object), object, {s.width, s.height});
   SurfaceRenderer renderer(*surface, s.threads);
   if (Error error = renderView(renderer, s, view)) return error;
   if (Error error = timeLines(*surface, s, view)) return error;

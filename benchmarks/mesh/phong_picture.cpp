@@ -190,7 +190,7 @@ Error draw(Settings& s) {
   if (!mesh) return mesh.error();
   const auto surface = loadSurface(s.surface);
   if (!surface) return surface.error();
-  const Camera camera = s.view.cameraFor(spheresOf(*surface));
+  const Camera camera = s.view.viewOf(spheresOf(*surface)).camera;
 
   PictureLineParams wanted;
   LineStyle style;

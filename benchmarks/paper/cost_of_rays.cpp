@@ -15,7 +15,7 @@ namespace {
 Result<double> frameTime(SurfaceRenderer& renderer, int size, int threads,
                          RenderStatistics& counts) {
   const BoundingSpheres object = spheresOf(renderer.surface());
-  Camera camera = fitCamera(object, chooseView(object), {size, size});
+  Camera camera = cameraFor(chooseView(object), object, {size, size});
   RenderParams params;
   params.threads = threads;
   params.columns = 0;

@@ -208,7 +208,7 @@ Error savePicture(const StudySettings& settings, const Subject& subject, const c
 
 Camera cameraOf(const Subject& subject, const SLIMSurface& surface) {
   const BoundingSpheres object = spheresOf(surface);
-  Camera camera = fitCamera(object, chooseView(object), {kSize, kSize});
+  Camera camera = cameraFor(chooseView(object), object, {kSize, kSize});
   if (subject.view[9] == 0) return camera;
   for (std::size_t a = 0; a < 3; ++a) {
     camera.position[a] = subject.view[a];

@@ -239,7 +239,7 @@ int run(const Settings& s) {
     return kExitUsage;
   }
   const BoundingSpheres object = spheresOf(*surface);
-  const Camera camera = fitCamera(object, chooseView(object), {s.size, s.size});
+  const Camera camera = cameraFor(chooseView(object), object, {s.size, s.size});
   const double start = wallSeconds();
   RayTracer tracer(*surface, s.threads);
   std::printf("%s: %zu leaves of degree %d; tree built in %.2f s, %d threads\n", s.surface.c_str(),

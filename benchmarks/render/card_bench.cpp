@@ -180,7 +180,7 @@ class Window {
 
   Camera homeOf(const SLIMSurface& surface) const {
     const BoundingSpheres object = spheresOf(surface);
-    return fitCamera(object, chooseView(object), {settings_.width, settings_.height});
+    return cameraFor(chooseView(object), object, {settings_.width, settings_.height});
   }
 
   const Settings& settings_;

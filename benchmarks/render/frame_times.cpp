@@ -70,7 +70,7 @@ Exit run(Settings& s) {
   if (error) return Exit::usage(error);
   const Result<SLIMSurface> surface = loadSlim(s.input);
   if (!surface) return Exit::usage(surface.error());
-  return timeFrames(s, *surface, s.view.cameraFor(spheresOf(*surface)));
+  return timeFrames(s, *surface, s.view.viewOf(spheresOf(*surface)).camera);
 }
 
 }  // namespace

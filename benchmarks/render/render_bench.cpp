@@ -99,7 +99,7 @@ Result<Scene> sceneOf(const Settings& s) {
   Result<SLIMSurface> surface = loadSlim(s.surface);
   if (!surface) return surface.error();
   const BoundingSpheres object = spheresOf(*surface);
-  Camera camera = fitCamera(object, chooseView(object), {s.size, s.size});
+  Camera camera = cameraFor(chooseView(object), object, {s.size, s.size});
   camera.fov /= s.zoom;
   return Scene{std::move(*surface), camera};
 }

@@ -63,7 +63,7 @@ Error draw(Settings& s) {
   if (error) return error;
   const auto surface = loadSlim(s.input);
   if (!surface) return surface.error();
-  const Camera camera = s.view.cameraFor(spheresOf(*surface));
+  const Camera camera = s.view.viewOf(spheresOf(*surface)).camera;
   const auto image = picture(*surface, camera, s.picture.shadingFor(false, 0));
   return image ? saveImage(s.output, *image) : image.error();
 }

@@ -73,7 +73,7 @@ std::vector<ViewDirection> fixedViews(const BoundingSpheres& object) {
     for (const double azimuth : {45.0, 225.0}) views.push_back(viewFromAngles(up, azimuth, 50.0));
     return views;
   }
-  const ViewDirection base = chooseView(object);
+  const ViewDirection base = chooseView(object).direction;
   const Vector &up = base.up, &to = base.towards_viewer;
   Vector right;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -52,7 +52,7 @@ struct FuzzCloud {
 
 void renderSurfaceOf(const SLIMSurface& surface) {
   const BoundingSpheres spheres = spheresOf(surface);
-  const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
+  const Camera camera = cameraFor(chooseView(spheres), spheres, {16, 12});
   if (camera.validate()) return;
   for (const bool reference : {false, true}) {
     const auto draw = reference ? lab::renderReference : renderSurface;
@@ -93,7 +93,7 @@ void sampleAndRender(const FuzzCloud& cloud) {
     return require(splats.empty());
   require(validateDiscs(splats));
   const BoundingSpheres spheres = spheresOf(splats);
-  const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
+  const Camera camera = cameraFor(chooseView(spheres), spheres, {16, 12});
   if (camera.validate()) return;
   DiscRenderParams how;
   how.threads = 1;

@@ -201,7 +201,7 @@ StressOutcome judgeSplats(const StressCloud& cloud, SplatSet& splats, std::mt199
 }
 
 Camera cameraOf(const StressCloud& cloud, const BoundingSpheres& object) {
-  Camera camera = fitCamera(object, chooseView(object), {24, 18});
+  Camera camera = cameraFor(chooseView(object), object, {24, 18});
   const std::size_t middle = 3 * (cloud.size() / 2);
   const double* at = cloud.points.data() + middle;
   const double size = std::max(std::abs(cloud.scale), 1e-37);

@@ -71,8 +71,8 @@ TEST(DiscPicture, CamerasFrameDiscs) {
   const BoundingSpheres object = spheresOf(set);
   EXPECT_EQ(object.spheres.size(), set.size());
   const ImageSize size{64, 48};
-  for (const Camera& camera : {fitCamera(object, chooseView(object), size),
-                               fitOrthographicCamera(object, chooseView(object), size)}) {
+  for (const Camera& camera : {cameraFor(chooseView(object), object, size),
+                               fitOrthographicCamera(object, chooseView(object).direction, size)}) {
     GBuffer buffer;
     ASSERT_FALSE(renderDiscs(set, camera, {}, buffer));
     // A circle as high as the picture has pi/4 of a square's pixels.
@@ -84,7 +84,7 @@ TEST(DiscPicture, CamerasFrameDiscs) {
   addDisc(point, {1, 2, 3}, {0, 0, 1}, 0.0, 0);
   const BoundingSpheres one = spheresOf(point);
   EXPECT_GT(one.spheres[0].radius, 0.0f);
-  EXPECT_FALSE(fitCamera(one, chooseView(one), size).validate());
+  EXPECT_FALSE(cameraFor(chooseView(one), one, size).validate());
 }
 
 }  // namespace

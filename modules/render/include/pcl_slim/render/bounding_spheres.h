@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -14,7 +16,7 @@ namespace pcl_slim {
 struct BoundingSphere {
   std::array<float, 3> center;
   float radius;
-  std::array<float, 3> normal;  ///< unit length
+  std::array<float, 3> normal;  ///< unit length, to the side that was seen; 0: unknown
   float points = 1;             ///< scanned points behind the piece: what it weighs in a view
 };
 
@@ -28,7 +30,6 @@ struct BoundingSpheres {
   double scale = 1.0;
   double diagonal = 1.0;     ///< of the object's bounding box
   double seen_radius = 1.0;  ///< share of each radius that a picture has to show
-  bool oriented = true;      ///< the normals point to the outer side
   bool no_strays = false;    ///< a picture has to show every sphere, however far from the bulk
 };
 
@@ -36,8 +37,13 @@ struct BoundingSpheres {
  * tiles do, the balls with none below them. O(surfels). */
 PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SLIMSurface& surface);
 
-/** \brief The discs of a set, which must be valid (validateDiscs); their normals count as oriented,
- * so that discs which face one way are seen from there. O(discs). */
+/** \brief The discs of a set, which must be valid (validateDiscs). O(discs). */
 PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SplatSet& splats);
+
+/** \brief The triangles of a mesh, which weigh what they measure, as their corners are counter-
+ * clockwise seen from outside. O(triangles). */
+PCL_SLIM_EXPORT BoundingSpheres
+spheresOf(const std::vector<Vector3>& corners,
+          const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 }  // namespace pcl_slim

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/bounding_spheres.h"
+
+namespace pcl_slim::detail {
+
+/** \brief One of the six directions along the axes. */
+struct SignedAxis {
+  std::size_t axis = 2;
+  double sign = 1.0;
+
+  double of(const Vector3& v) const { return sign * v[axis]; }
+  Vector3 direction() const {
+    Vector3 d{};
+    d[axis] = sign;
+    return d;
+  }
+};
+
+/** \brief Spheres as weighted points. Each weighs the geometric mean of its area and of the scanned
+ * points behind it: neither what is near a scanner counts alone, nor wide pieces with few points.
+ * Local units. */
+struct SphereCloud {
+  std::vector<Vector3> centers, normals;
+  std::vector<double> radii, weights;
+  double total = 0.0;
+  Vector3 low{}, high{};  ///< bounds of the central 98 % on each axis
+  Vector3 deviation{};    ///< standard deviation along each axis, inside those bounds
+  Vector3 mean_normal{0.0, 0.0, 0.0};
+
+  explicit SphereCloud(const BoundingSpheres& object);
+
+  bool empty() const { return centers.empty(); }
+  double extent(std::size_t axis) const { return high[axis] - low[axis]; }
+  /** \brief Height over the lower end. */
+  double heightOf(const Vector3& p, const SignedAxis& up) const {
+    return up.sign > 0 ? p[up.axis] - low[up.axis] : high[up.axis] - p[up.axis];
+  }
+  /** \brief Share of the area that is flat at the lower end and faces up (side 1), as a floor, or
+   * down (-1), as the underside of what stands there. */
+  double flatShare(const SignedAxis& up, double side) const;
+  /** \brief Share of the area between both ends that is flat and faces up: tables, seats. */
+  double shelfShare(const SignedAxis& up) const;
+
+  /** \brief The plane that most of the area which faces as the mean normal is parallel to. */
+  struct Plane {
+    Vector3 normal{};
+    double share = 0.0;  ///< of the area, to 20 degrees
+  };
+  Plane widestPlane() const;
+
+ private:
+  void measureAxis(std::size_t axis);
+};
+
+Vector3 middleOf(const SphereCloud& cloud);
+
+/** \brief How far the middle of an object must rise, over its height, for the object to tip: more
+ * than 0 if it is in balance on the lower end, up to 14 degrees off. O(spheres). */
+double standing(const SphereCloud& cloud, const SignedAxis& up);
+
+/** \brief A place that most of an object's normals face, and what is seen from there. */
+struct Vantage {
+  Vector3 place{};
+  double facing = 0.0;      ///< share of the weight that faces the place
+  double surrounded = 0.0;  ///< share of all directions in which a side that faces it is met first
+  std::vector<Vector3> directions;  ///< unit, evenly over the sphere
+  std::vector<double> depths;       ///< first piece met that faces the place; infinite: none
+  std::vector<std::size_t> met;     ///< that piece
+
+  /** \brief Share of the horizon where upright pieces are met, at most 30 degrees above or below
+   * it. */
+  double walledIn(const SphereCloud& cloud, const SignedAxis& up) const;
+};
+
+/** \brief Looks for the place, among those inside an object's bounds, that as much as possible
+ * faces: the origin where that serves, else by relaxation (Agmon 1954) of the half spaces that the
+ * pieces face. The pieces' sides must be known. O(spheres), at most some 10^7 steps. */
+Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
+
+}  // namespace pcl_slim::detail
