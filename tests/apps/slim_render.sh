@@ -26,13 +26,15 @@ keepsOld kept.pcd pcl_slim_demo_scan -points 2000
 expect 0 '' pcl_slim_fit scan.pcd surface.slim
 expect 0 '' pcl_slim_fit scan.pcd surface.pcd
 small="-size 96x72 -aa 1"
-expect 0 '' pcl_slim_render surface.slim shaded.png $small -json report.json -threads 1
-expect 0 '' pcl_slim_render surface.slim "with space/shaded.png" $small -threads 4
+expect 0 '' pcl_slim_render surface.slim automatic.png $small -json report.json -threads 1
+grep -q '^  view: up z, from .*; -up y for the other$' out.txt || complain "the view is not named"
+expect 0 '' pcl_slim_render surface.slim shaded.png $small -mode shaded -threads 1
+expect 0 '' pcl_slim_render surface.slim "with space/shaded.png" $small -mode shaded -threads 4
 same shaded.png "with space/shaded.png"
 # Every format keeps all of a surface: borders, which this scan has, and colours.
 for format in pcd ply vtp; do
   if [ "$format" = pcd ] || pcl_slim_fit scan.pcd surface.$format -quiet 1 2> none.txt; then
-    expect 0 '' pcl_slim_render surface.$format points.png $small
+    expect 0 '' pcl_slim_render surface.$format points.png $small -mode shaded
     same shaded.png points.png
   fi
 done
@@ -51,13 +53,15 @@ idle 'line_slope ' -lines crest -line_slope 9 -line_curvature 5 -line_length 4
 idle 'lod ' -mode raytraced -lod 2 -lights 30,40
 idle 'hole ' -trim 0 -hole 9
 idle 'aa ' -mode sketch
-# Colours: the scan's, the same from every format and for any threads; traced, too; none without a scan's.
+# Colours: the scan's, the same from every format and for any threads, chosen where there are any; traced, too;
+# none without a scan's.
 expect 0 '' pcl_slim_render surface.slim color.png $small -mode color -threads 1
 differ shaded.png color.png
+same automatic.png color.png
 expect 0 '' pcl_slim_render surface.pcd again.png $small -mode color -threads 3
 same color.png again.png
-expect 0 '' pcl_slim_render surface.slim lit.png $small -mode color -lighting 1
-differ color.png lit.png
+expect 0 '' pcl_slim_render surface.slim bare.png $small -mode color -lighting 0
+differ color.png bare.png
 expect 0 '' pcl_slim_fit scan.pcd grey.slim -color 0
 [ "$(wc -c < grey.slim)" -lt "$(wc -c < surface.slim)" ] || complain "-color 0 keeps colours"
 expect 0 '' pcl_slim_render grey.slim again.png $small
@@ -74,16 +78,16 @@ expect 0 '' pcl_slim_render grey.slim grey.html
 grep -q '"mode":"shaded"' grey.html || complain "a page of no colours does not begin shaded"
 # Modes that are lines over a shaded surface; holes closed without another fit.
 expect 0 '' pcl_slim_render surface.slim crest.png $small -mode crest
-expect 0 '' pcl_slim_render surface.slim lines.png $small -lines crest
+expect 0 '' pcl_slim_render surface.slim lines.png $small -mode shaded -lines crest
 same crest.png lines.png
 expect 0 '' pcl_slim_render surface.slim contours.png $small -mode contours
 differ shaded.png contours.png
-expect 0 '' pcl_slim_render surface.slim holes.png $small -hole 1 -threads 3
+expect 0 '' pcl_slim_render surface.slim holes.png $small -mode shaded -hole 1 -threads 3
 same shaded.png holes.png
-expect 0 '' pcl_slim_render surface.slim holes.png $small -hole 12
+expect 0 '' pcl_slim_render surface.slim holes.png $small -mode shaded -hole 12
 differ shaded.png holes.png
 # A part: framed by itself, the rest left out and counted, the same bytes for any number of threads.
-expect 0 '' pcl_slim_render surface.slim part.png $small -region -1,-1,0.3,1,1,9 -json part.json
+expect 0 '' pcl_slim_render surface.slim part.png $small -mode shaded -region -1,-1,0.3,1,1,9 -json part.json
 differ shaded.png part.png
 grep -q '"outside_region": [1-9]' part.json || complain "-region leaves nothing out"
 expect 0 '' pcl_slim_render surface.slim again.png $small -region -1,-1,0.3,1,1,9 -threads 3

@@ -16,13 +16,13 @@ expect 0 '' pcl_slim_fit scan.pcd surface.pcd -color 0
 small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render splats.pcd color.png $small -json report.json -threads 1
 grep -q '^> Loading splats.pcd \[done, .* splats\]' out.txt || complain "no Loading line"
-expect 0 '' pcl_slim_render splats.ply ply.png $small -threads 4 -mode color -lighting 0
+expect 0 '' pcl_slim_render splats.ply ply.png $small -threads 4 -mode color -lighting 1
 same color.png ply.png
 for key in program version input points threads total load render peak_rss_mb splats gradient \
   covered_pixels overlap unusable outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"
 done
-for option in '-filtered 0' '-lighting 1' '-mode shaded' '-mode normal' '-mode size' '-ortho 1' \
+for option in '-filtered 0' '-lighting 0' '-mode shaded' '-mode normal' '-mode size' '-ortho 1' \
   '-sides front' '-view top' '-white 1' '-mode raytraced'; do
   # shellcheck disable=SC2086
   expect 0 '' pcl_slim_render splats.pcd other.png $small $option
