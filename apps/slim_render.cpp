@@ -38,10 +38,12 @@ struct Settings {
 
 OptionTable declareOptions(Settings& s) {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
-                    "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats into a "
-                    "picture or a page for browsers; no X server needed.");
+                    "Renders a SLIM surface (.pcd .ply .vtp .slim), splats or a mesh into a "
+                    "picture, surfaces and splats also into a page for browsers; no X server "
+                    "needed.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
-                   "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
+                   "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a mesh, "
+                   "also .obj .off .stl");
   table.positional("OUT.png|.ppm|.html", &s.output, "picture or page");
   s.view.declareSize(table);
   s.picture.declareColors(table);
@@ -161,6 +163,25 @@ Result<std::uint64_t> renderSplatModel(const Settings& s, const Model& model,
   return total.covered_pixels;
 }
 
+Result<std::uint64_t> renderMeshModel(const Settings& s, const Model& model, const Turntable& table,
+                                      Report& report, double& save_seconds) {
+  MeshRenderParams params;
+  params.sides = sidesOf(s);
+  params.near_plane = s.near_plane;
+  params.threads = s.threads;
+  const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
+  MeshRenderStatistics total;
+  Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
+    MeshRenderStatistics counts;
+    auto image = renderPicture(model.mesh, turned, params, shading, &counts);
+    total += counts;
+    return image;
+  });
+  if (error) return error;
+  reportMesh(model, total, report);
+  return total.covered_pixels;
+}
+
 TraceParams tracingOf(const Settings& s) {
   constexpr int kOcclusionRays = 4;  // in each of the frames of -aa
   TraceParams params;
@@ -227,7 +248,9 @@ Error renderModel(const Settings& s, const Model& model, const Turntable& table,
                   Report& report) {
   console.begin("Rendering " + s.view.size_text);
   double save_seconds = 0.0;
-  const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
+  const auto render = model.is_mesh     ? renderMeshModel
+                      : model.is_splats ? renderSplatModel
+                                        : renderSurfaceModel;
   const Result<std::uint64_t> covered =
       s.picture.isTraced()
           ? renderTracedModel(s, model, table, report, save_seconds, console.progress())
@@ -351,7 +374,12 @@ Error checkWritten(const Settings& s) {
 /** Prints which options have no effect on what is drawn. */
 void noteIdleOptions(const OptionTable& options, const Settings& s, const Model& model,
                      const ShadingParams& shading, Console& console) {
-  const DrawnThing drawn{model.is_splats, PageRequest::isPage(s.output), s.trim, s.picture, s.lines,
+  const DrawnThing drawn{!model.is_splats && !model.is_mesh,
+                         model.is_splats,
+                         PageRequest::isPage(s.output),
+                         s.trim,
+                         s.picture,
+                         s.lines,
                          shading};
   for (const std::string& note : idleOptions(options, drawn)) console.note(note);
 }
@@ -392,6 +420,12 @@ Exit run(const OptionTable& options, Settings& s) {
   std::optional<ChosenView> chosen;
   Result<Model> model = loadDrawn(s, chosen, console, report);
   if (!model) return Exit::usage(model.error());
+  if (model->is_mesh && (PageRequest::isPage(s.output) || s.picture.isTraced() || s.lines.any())) {
+    return Exit::usage(console.failed(
+        {ErrorCode::kBadArgument,
+         "a mesh has pictures alone, without lines; for pages, lines and -mode raytraced give a "
+         "surface of pcl_slim_fit"}));
+  }
   if (model->is_splats && s.lines.any()) {
     return Exit::usage(console.failed(
         {ErrorCode::kBadArgument,
@@ -408,6 +442,7 @@ Exit run(const OptionTable& options, Settings& s) {
       s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return Exit::usage(console.failed(object.error()));
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
+  if (model->is_mesh) model->mesh = meshWithin(std::move(model->mesh), s.region.sides);
   const Turntable table(view, *object, s.turntable);
   if (!chosen) chosen = table.first();
   if (!chosen->words.empty()) console.note("  " + chosen->words);

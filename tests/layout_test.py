@@ -35,7 +35,7 @@ ARROWS = {
     "scan": ("core", "cloud", "surface", "fit", "query", "features"),
     "mesh": ("core", "cloud", "surface", "fit", "query", "scan"),
     "splat": ("core", "cloud"),
-    "render": ("core", "cloud", "leaf", "surface", "query", "splat"),
+    "render": ("core", "cloud", "leaf", "surface", "query", "splat", "mesh"),
     "web": ("core", "cloud", "leaf", "surface", "query", "splat", "render"),
     "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),

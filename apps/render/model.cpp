@@ -8,6 +8,7 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "scan/cloud_file.h"
 
 namespace pcl_slim {
 namespace {
@@ -46,6 +47,9 @@ Result<Model> modelFrom(const PointFile& file) {
 
 std::string Model::describe() const {
   if (is_splats) return std::to_string(splats.size()) + " splats";
+  if (is_mesh)
+    return std::to_string(mesh.triangles.size()) + " triangles, " +
+           std::to_string(mesh.vertices.size()) + " vertices";
   const std::string part = blocks_read == blocks ? ""
                                                  : ", " + std::to_string(blocks_read) + " of " +
                                                        std::to_string(blocks) + " blocks";
@@ -54,6 +58,7 @@ std::string Model::describe() const {
 }
 
 BoundingSpheres Model::spheres() const {
+  if (is_mesh) return spheresOf(mesh.vertices, mesh.triangles);
   return is_splats ? spheresOf(splats) : spheresOf(surface);
 }
 
@@ -64,6 +69,46 @@ Result<bool> holdsModel(const std::string& path) {
   return hasModelFields(*file);
 }
 
+namespace {
+
+Error named(const std::string& path, const Error& error) {
+  return {error.code, "'" + path + "': " + error.message};
+}
+
+/** The vertices, with normals of the file or of its faces, colours and curvatures where there are
+ * any, and the faces cut to triangles from their first corners. */
+TriangleMesh meshFrom(const CloudFile& cloud) {
+  const CloudView view = cloud.view();
+  const ColorView colors = colorsOf(cloud);
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < view.size; ++i) {
+    mesh.vertices.push_back(view.position(i));
+    const std::array<float, 3> none{0.0f, 0.0f, 0.0f};
+    const auto normal = view.normal ? view.givenNormal(i) : none;
+    mesh.normals.push_back(isFinite(normal) ? normal : none);
+    if (colors.bgr == nullptr) continue;
+    const std::uint8_t* const bgr =
+        static_cast<const std::uint8_t*>(colors.bgr) + i * colors.stride;
+    mesh.colors.push_back({bgr[2], bgr[1], bgr[0]});
+  }
+  const PointTable& table = cloud.file.cloud;
+  for (const auto& [name, column] : {std::pair{"k1", &mesh.k1}, std::pair{"k2", &mesh.k2}}) {
+    const int field = findField(table, name);
+    for (std::size_t i = 0; field >= 0 && i < view.size; ++i)
+      column->push_back(
+          static_cast<float>(fieldValue(table, i, table.fields[static_cast<std::size_t>(field)])));
+  }
+  for (std::size_t f = 0; f < cloud.file.numFaces(); ++f) {
+    const std::uint32_t begin = cloud.file.face_begin[f], end = cloud.file.face_begin[f + 1];
+    for (std::uint32_t k = begin + 2; k < end; ++k)
+      mesh.triangles.push_back({cloud.file.face_vertices[begin], cloud.file.face_vertices[k - 1],
+                                cloud.file.face_vertices[k]});
+  }
+  return mesh;
+}
+
+}  // namespace
+
 Result<Model> loadModel(const std::string& path) {
   if (!isPointFile(path)) {
     Result<SLIMSurface> surface = loadSurface(path);
@@ -72,11 +117,18 @@ Result<Model> loadModel(const std::string& path) {
     model.surface = std::move(*surface);
     return model;
   }
-  const Result<PointFile> file = loadPointFile(path);
+  Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
+  if (!hasModelFields(*file) && file->numFaces() > 0) {
+    const Result<CloudFile> cloud = asCloudFile(std::move(*file), path);
+    if (!cloud) return cloud.error();
+    Model model;
+    model.is_mesh = true;
+    model.mesh = meshFrom(*cloud);
+    return model;
+  }
   Result<Model> model = modelFrom(*file);
-  if (model) return model;
-  return Error{model.error().code, "'" + path + "': " + model.error().message};
+  return model ? std::move(model) : named(path, model.error());
 }
 
 namespace {
@@ -121,6 +173,15 @@ void reportSplats(const Model& model, const DiscRenderStatistics& counts, Report
   report.set("skipped", {{"unusable", model.skipped},
                          {"outside_frustum", counts.outside_frustum},
                          {"back_facing", counts.back_facing}});
+}
+
+void reportMesh(const Model& model, const MeshRenderStatistics& counts, Report& report) {
+  report.add(
+      {{"triangles", model.mesh.triangles.size()},
+       {"covered_pixels", counts.covered_pixels},
+       {"rays_first", counts.rays_first},
+       {"skipped",
+        {{"outside_frustum", counts.outside_frustum}, {"back_facing", counts.back_facing}}}});
 }
 
 void reportTraced(const Model& model, const TraceStatistics& counts, Report& report) {

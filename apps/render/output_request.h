@@ -69,7 +69,7 @@ struct PageRequest {
 
 /** \brief What decides which options of a picture or page have an effect. */
 struct DrawnThing {
-  bool is_splats, is_page, trim;
+  bool is_surface, is_splats, is_page, trim;
   const PictureRequest& picture;
   const LineRequest& lines;
   const ShadingParams& shading;

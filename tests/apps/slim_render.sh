@@ -86,11 +86,34 @@ expect 0 '' pcl_slim_render surface.slim holes.png $small -mode shaded -hole 1 -
 same shaded.png holes.png
 expect 0 '' pcl_slim_render surface.slim holes.png $small -mode shaded -hole 12
 differ shaded.png holes.png
+# A mesh: seen from the same side, in the same modes but those it has not.
+expect 0 '' pcl_slim_mesh surface.slim mesh.ply
+expect 0 '' pcl_slim_render surface.slim again.png $small
+view=$(grep '^  view:' out.txt)
+expect 0 'triangles' pcl_slim_render mesh.ply mesh.png $small -json mesh.json -threads 1
+grep -q '"triangles": [1-9]' mesh.json || complain "the report lacks triangles"
+[ "$(grep '^  view:' out.txt)" = "$view" ] || complain "a mesh is seen from another side"
+expect 0 '' pcl_slim_render mesh.ply again.png $small -threads 4
+same mesh.png again.png
+for mode in shaded mean normal reflection; do
+  expect 0 '' pcl_slim_render mesh.ply again.png $small -mode $mode
+  differ mesh.png again.png
+done
+expect 0 '' pcl_slim_render mesh.ply again.png $small -region -1,-1,0.3,1,1,9
+differ mesh.png again.png
+expect 0 '  -lod has no effect' pcl_slim_render mesh.ply again.png $small -lod 3
+expect 2 'levels' pcl_slim_render mesh.ply none.png -mode level
+for option in '-mode raytraced' '-lines crest' '-mode sketch'; do
+  # shellcheck disable=SC2086
+  expect 2 'pictures alone' pcl_slim_render mesh.ply none.png $option
+done
+expect 2 'pictures alone' pcl_slim_render mesh.ply none.html
+absent none.png none.html
 # A part: framed by itself, the rest left out and counted, the same bytes for any number of threads.
 expect 0 '' pcl_slim_render surface.slim part.png $small -mode shaded -region -1,-1,0.3,1,1,9 -json part.json
 differ shaded.png part.png
 grep -q '"outside_region": [1-9]' part.json || complain "-region leaves nothing out"
-expect 0 '' pcl_slim_render surface.slim again.png $small -region -1,-1,0.3,1,1,9 -threads 3
+expect 0 '' pcl_slim_render surface.slim again.png $small -mode shaded -region -1,-1,0.3,1,1,9 -threads 3
 same part.png again.png
 expect 0 '' pcl_slim_render surface.slim again.png $small -region -1,-1,0.3,1,1,9 -mode raytraced
 expect 2 'give a part of' pcl_slim_render surface.slim none.png $small -region 7,7,7,8,8,8

@@ -7,11 +7,13 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/mesh_renderer.h"
 #include "shading/shading.h"
 
 namespace pcl_slim::detail {
@@ -421,6 +423,34 @@ Result<Image> renderPicture(const SplatSet& splats, const Camera& camera,
       averageFrames(camera, shading_params, 1.0, [&](const Camera& shifted, GBuffer& buffer) {
         DiscRenderStatistics counts;
         Error error = renderDiscs(splats, shifted, render_params, buffer, &counts);
+        total += counts;
+        return error;
+      });
+  if (image && statistics) *statistics = total;
+  return image;
+}
+
+Result<Image> renderPicture(const TriangleMesh& mesh, const Camera& camera,
+                            const MeshRenderParams& render_params,
+                            const ShadingParams& shading_params, MeshRenderStatistics* statistics) {
+  if (Error error = shading_params.validate()) return error;
+  const unsigned columns = columnsFor(shading_params);
+  const bool curved = !mesh.k1.empty() && !mesh.k2.empty();
+  if ((columns & (kLeafColumns | kResidualColumn)) != 0 ||
+      ((columns & kCurvatureColumn) != 0 && !curved))
+    return Error{ErrorCode::kBadArgument,
+                 std::string("the mesh has no ") +
+                     ((columns & kCurvatureColumn) != 0 ? "curvatures k1 and k2"
+                                                        : "levels, sizes or residuals") +
+                     "; choose color, shaded, normal or reflection, or draw the surface"};
+  if (shading_params.mode == ShadingMode::kColor && mesh.colors.empty())
+    return Error{ErrorCode::kBadArgument,
+                 "the mesh has no colours; choose another mode than color"};
+  MeshRenderStatistics total;
+  auto image =
+      averageFrames(camera, shading_params, 1.0, [&](const Camera& shifted, GBuffer& buffer) {
+        MeshRenderStatistics counts;
+        Error error = renderMesh(mesh, shifted, render_params, columns, buffer, &counts);
         total += counts;
         return error;
       });
