@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <random>
 
 #include "common/run_program.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
@@ -25,6 +26,7 @@ using views::ViewScene;
 struct Settings {
   std::string scenes, scans, out;
   int threads = 1, seed = 1;
+  bool variants = false;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -32,6 +34,8 @@ OptionTable declareOptions(Settings& s) {
   options.text("scenes", &s.scenes, "TEXT", "scenes whose names begin with it; all: every one");
   options.text("scans", &s.scans, "FOLDER", "every .pcd and .ply in a folder");
   options.text("out", &s.out, "FOLDER", "save the pictures of surfaces there");
+  options.toggle("variants", &s.variants,
+                 "also surfaces of half of the points, of rounded ones, and of turned ones");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the scenes");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   return options;
@@ -96,7 +100,7 @@ Outcome::Outcome(const Vector3* up, const BoundingSpheres& object) {
 /** \brief How many views are right, and how many are alike, of how many. */
 struct Count {
   int surfaces = 0, splats = 0, meshes = 0, all = 0;
-  int like_splats = 0, like_meshes = 0;
+  int like_splats = 0, like_meshes = 0, like_variants = 0, variants = 0;
 };
 
 /** \brief A row of one object. \param[in] surface the view of the surface of the same scan */
@@ -143,6 +147,61 @@ struct Row {
   const ViewScene* truth = nullptr;
 };
 
+/** \brief What may be done to a scan without another view. */
+struct Variant {
+  const char* name;
+  double turn = 0;      ///< about z [degrees]
+  double rounding = 0;  ///< [diagonal]
+  bool half = false;    ///< of the points
+};
+
+constexpr Variant kVariants[] = {{"half of its points", 0, 0, true},
+                                 {"rounded to .001 of its diagonal", 0, 0.001, false},
+                                 {"turned by 2 degrees", 2, 0, false}};
+
+std::vector<Vector3> pointsOf(const Variant& variant, const CloudView& scan) {
+  std::mt19937 random(3);
+  std::vector<Vector3> points;
+  Bounds box;
+  for (std::size_t i = 0; i < scan.size; ++i) {
+    const Vector3 p = scan.position(i);
+    if (!isFinite(p) || (variant.half && random() % 2 == 0)) continue;
+    points.push_back(p);
+    box.add(p);
+  }
+  const double step = variant.rounding * box.diagonal();
+  const double c = std::cos(variant.turn * M_PI / 180), t = std::sin(variant.turn * M_PI / 180);
+  const Vector3 middle = scaled(along(box.low, 1, box.high), 0.5);
+  for (Vector3& p : points) {
+    for (std::size_t a = 0; a < 3 && step > 0; ++a) p[a] = std::round(p[a] / step) * step;
+    if (variant.turn == 0) continue;
+    const Vector3 off = subtract(p, middle);
+    p = along(middle, 1, {c * off[0] - t * off[1], t * off[0] + c * off[1], off[2]});
+  }
+  return points;
+}
+
+Error printVariants(const Settings& s, const Row& row, const Outcome& original, Count& count) {
+  for (const Variant& variant : kVariants) {
+    const std::vector<Vector3> points = pointsOf(variant, row.scan.points);
+    CloudView view;
+    view.xyz = points.data();
+    view.scalar = CloudView::Scalar::kDouble;
+    view.xyz_stride = sizeof(Vector3);
+    view.size = points.size();
+    FitParams params;
+    params.threads = s.threads;
+    params.viewpoint = row.viewpoint;
+    FittedScan fitted;
+    if (Error error = fitScan({view, {}}, params, fitted)) return error;
+    const Outcome outcome(nullptr, spheresOf(fitted.surface));
+    printRow(row.name, variant.name, outcome, original, nullptr);
+    count.like_variants += outcome.apart(original) < 10;
+    ++count.variants;
+  }
+  return {};
+}
+
 Error printScan(const Settings& s, const Row& row, Count& count) {
   const Vector3* const up = row.truth ? &row.truth->up : nullptr;
   const Kind* const kind = row.truth ? &row.truth->kind : nullptr;
@@ -173,7 +232,7 @@ Error printScan(const Settings& s, const Row& row, Count& count) {
   count.like_splats += of_splats.apart(of_surface) < 10;
   count.like_meshes += of_mesh.apart(of_surface) < 10;
   ++count.all;
-  return {};
+  return s.variants ? printVariants(s, row, of_surface, count) : Error();
 }
 
 Error printScene(const Settings& s, const ViewScene& scene, Count& count) {
@@ -218,6 +277,9 @@ Exit run(const Settings& s) {
   std::printf("within 10 degrees of the surface's view: %d splats, %d meshes of %d\n",
               scenes.like_splats + scans.like_splats, scenes.like_meshes + scans.like_meshes,
               scenes.all + scans.all);
+  if (s.variants)
+    std::printf("within 10 degrees of the original's view: %d of %d variants\n",
+                scenes.like_variants + scans.like_variants, scenes.variants + scans.variants);
   return {};
 }
 
