@@ -156,7 +156,7 @@ struct Variant {
 };
 
 constexpr Variant kVariants[] = {{"half of its points", 0, 0, true},
-                                 {"rounded to .001 of its diagonal", 0, 0.001, false},
+                                 {"rounded to .0002 of its diagonal", 0, 0.0002, false},
                                  {"turned by 2 degrees", 2, 0, false}};
 
 std::vector<Vector3> pointsOf(const Variant& variant, const CloudView& scan) {

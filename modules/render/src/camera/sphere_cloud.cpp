@@ -11,8 +11,9 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kLevel = 0.94;  ///< cosine of what is level, to 20 degrees
-constexpr double kEnd = 0.06;    ///< [extent] of what is at an end
+constexpr double kLevel = 0.94;   ///< cosine of what is level, to 20 degrees
+constexpr double kEnd = 0.06;     ///< [extent] of what is at an end
+constexpr double kUpright = 0.5;  ///< most that a wall's normal points up or down
 
 }  // namespace
 
@@ -223,8 +224,7 @@ void lookAround(const Pieces& pieces, Vantage& vantage) {
 }  // namespace
 
 double Vantage::walledIn(const SphereCloud& cloud, const SignedAxis& up) const {
-  constexpr double kBelt = 0.5;     // sine of 30 degrees
-  constexpr double kUpright = 0.5;  // most that a wall's normal points up or down
+  constexpr double kBelt = 0.5;  // sine of 30 degrees
   std::array<bool, 24> walls{};
   const std::size_t u = (up.axis + 1) % 3, v = (up.axis + 2) % 3;
   for (std::size_t k = 0; k < directions.size(); ++k) {
@@ -236,6 +236,25 @@ double Vantage::walledIn(const SphereCloud& cloud, const SignedAxis& up) const {
     walls[static_cast<std::size_t>(turn * walls.size()) % walls.size()] = true;
   }
   return double(std::count(walls.begin(), walls.end(), true)) / double(walls.size());
+}
+
+double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up) {
+  double most = 0.0, walls = 0.0;
+  for (int k = 0; k < 8; ++k) {
+    const double turn = M_PI * k / 4.0;
+    Vector3 direction{};
+    direction[(up.axis + 1) % 3] = std::cos(turn);
+    direction[(up.axis + 2) % 3] = std::sin(turn);
+    double facing = 0.0;
+    walls = 0.0;
+    for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
+      if (std::abs(cloud.normals[i][up.axis]) > kUpright) continue;
+      walls += cloud.weights[i];
+      if (dot(cloud.normals[i], direction) > 0.0) facing += cloud.weights[i];
+    }
+    most = std::max(most, facing);
+  }
+  return walls > 0.0 ? most / walls : 1.0;
 }
 
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin) {

@@ -82,4 +82,9 @@ struct Vantage {
  * pieces face. The pieces' sides must be known. O(spheres), at most some 10^7 steps. */
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
 
+/** \brief The greatest share of the upright pieces' weight that faces one direction across the
+ * upward one, of eight round about: of a street's walls half, of a scene seen from one side most.
+ * O(spheres). */
+double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up);
+
 }  // namespace pcl_slim::detail

@@ -78,7 +78,7 @@ bool standsAlong(const SphereCloud& cloud, const SignedAxis& axis, const SignedA
 
 /** \brief Up in an object seen from most sides: y or z. */
 SignedAxis upOfObject(const SphereCloud& cloud) {
-  constexpr double kClearlyLonger = 1.1;
+  constexpr double kClearlyLonger = 1.2;
   constexpr double kOpenBelow = 0.1;  // mean normals that decide which of two axes is up
   constexpr double kBase = 0.03;      // least difference of two axes' flat ends
   constexpr double kLevel = 0.6;      // share of the area of a table that is level
@@ -155,7 +155,8 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
   constexpr double kEnclosed = 0.8;  // share of directions that a room fills
   constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling
   constexpr double kRoom = 0.3;      // mean normal of a room at most
-  constexpr double kAround = 0.7;    // share of the horizon where a station sees walls
+  constexpr double kAround = 0.6;    // share of the horizon where a station sees walls
+  constexpr double kOneWay = 0.65;   // share of a station's walls that face one way, at most
   Upright found;
   const auto upOr = [given](const SignedAxis& up) { return given != nullptr ? *given : up; };
   const Vector3 origin = scaled(object.origin, -1.0 / object.scale);
@@ -174,7 +175,7 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
     const bool room = found.vantage.surrounded > kEnclosed && one_sided < kRoom;
     found.up = upOr(upOfScene(cloud, room));
     found.kind = room ? SceneKind::kInside : SceneKind::kStation;
-    if (room || (found.up.of(cloud.mean_normal) > kOpen &&
+    if (room || (found.up.of(cloud.mean_normal) > kOpen && wallsOneWay(cloud, found.up) < kOneWay &&
                  found.vantage.walledIn(cloud, found.up) > kAround))
       return found;
   }
