@@ -183,7 +183,7 @@ export class Frames {
       slimEye: eye, slimEyeRest: eye.map(x => x - Math.fround(x)), slimAxes: [...right, ...up, ...forward],
       slimScreen: [pixel, width, height, parallel ? 1 : 0], slimShift: shift,
       slimNear: this.page.near / model.scale / this.unit, slimFar: (away + 1.01 * box.radius / this.unit) || 1,
-      slimWorld: model.scale * this.unit, slimPixel: pixel * (parallel ? 1 : Math.max(1e-9, away)),
+      slimWorld: model.scale * this.unit,
     };
     gl.viewport(0, 0, width, height);
     gl.disable(gl.BLEND);
@@ -214,7 +214,7 @@ export class Frames {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
     this.drawFrame('shade', {slimGeometry: t.geometry, slimAttributes: t.attributes, slimNamed: t.named, slimPainted},
-      {...look.values, slimHollows: [look.hollows, this.values.slimPixel]});
+      {...look.values, slimHollows: look.hollows});
     gl.disable(gl.BLEND);
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shaders. What meets a surface is the text of visualization/src/opengl (SHARED, put in by bundle.cmake); here
-// is what differs: WebGL 2 has no buffer textures, leaves are drawn as hulls, and colours are our own.
+// Shaders. What meets a surface and what lights it are texts of visualization/src (SHARED, put in by
+// bundle.cmake); here is what differs: WebGL 2 has no buffer textures, and leaves are drawn as hulls.
 import {SHARED} from './shared.js';  // made by bundle.cmake
 
 export const HEAD = constants => `#version 300 es
@@ -8,7 +8,8 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp isampler2D;
-${Object.entries(constants).map(([name, v]) => `const float ${name} = ${v.toFixed(6)};`).join('\n')}
+${Object.entries(constants).map(([name, v]) => v.length
+    ? `const vec3 ${name} = vec3(${v.map(x => x.toFixed(6))});` : `const float ${name} = ${v.toFixed(6)};`).join('\n')}
 uniform sampler2D slimLeaves;
 uniform isampler2D slimTrims;
 vec4 slimTexel(int at) { return texelFetch(slimLeaves, ivec2(at & 2047, at >> 11), 0); }
@@ -77,20 +78,20 @@ void main()
 }
 `;
 
-/** Colours of modules/render/src/shading: modes, lights, shade in hollows; linear light. */
+/** What the light of SHARED.kLight falls on and reads. */
+const GEOMETRY = `
+uniform sampler2D slimGeometry;
+`;
+
+/** Colours of modules/render/src/shading: modes, and the page behind; linear light. */
 const SHADE = `
-uniform sampler2D slimGeometry, slimAttributes, slimNamed, slimPainted;
+uniform sampler2D slimAttributes, slimNamed, slimPainted;
 uniform int slimMode, slimKnots, slimLevels, slimLit;
 uniform vec3 slimTable[10];
 uniform vec3 slimRange;     // lowest value, 1 / span, and whether by the logarithm
 uniform float slimWorld;    // world units per unit here
-uniform vec2 slimHollows;   // strength, and length of a pixel at the object
+uniform float slimHollows;  // strength of their shade
 uniform vec3 slimPaper;     // grey level at the top, what it loses downwards, tint
-
-vec3 slimLinear(vec3 s)
-{
-  return mix(s / 12.92, pow((s + 0.055) / 1.055, vec3(2.4)), greaterThan(s, vec3(0.04045)));
-}
 
 vec3 slimBackground(float from_top)
 {
@@ -131,53 +132,22 @@ vec3 slimColorOf(float value)
   return mix(slimTable[k], slimTable[k + 1], x - float(k));
 }
 
-// How open the half space over a pixel is: sixteen neighbours on a spiral.
-float slimOpen(ivec2 at, vec3 place, vec3 normal)
-{
-  float pixels = max(2.0, 0.045 * min(slimScreen.y, slimScreen.z)), reach = pixels * slimHollows.y;
-  int pattern = (at.y & 3) * 4 + (at.x & 3);
-  float turn = 6.2831853 * float((pattern * 7) % 16) / 16.0, hidden = 0.0;
-  for (int i = 0; i < 16; ++i) {
-    float r = max(1.0, pixels * sqrt((float(i) + 0.5) / 16.0)), angle = turn + 2.39996323 * float(i);
-    ivec2 to = at + ivec2(round(r * vec2(cos(angle), sin(angle))));
-    if (to.x < 0 || to.y < 0 || to.x >= int(slimScreen.y) || to.y >= int(slimScreen.z)) continue;
-    float depth = texelFetch(slimGeometry, to, 0).w;
-    if (depth == 0.0) continue;
-    vec3 d = slimPlace(to, abs(depth)) - place;
-    float square = dot(d, d);
-    if (square > 0.0) {
-      hidden += max(0.0, dot(d, normal) / sqrt(square) - 0.08) * max(0.0, 1.0 - square / (4.0 * reach * reach));
-    }
-  }
-  return max(0.0, 1.0 - 0.1 * hidden);
-}
-
-vec3 slimStripes(vec3 normal, vec3 ray)
-{
-  float phase = 12.0 * asin(clamp(reflect(ray, normal).x, -1.0, 1.0));
-  return slimLinear(mix(vec3(0.08, 0.09, 0.12), vec3(0.96), clamp(0.5 + sin(phase) / 0.15, 0.0, 1.0)));
-}
-
 // Everything in the camera's axes: right, up, forward.
 vec3 slimShade(ivec2 at, vec4 hit)
 {
   vec3 place = slimPlace(at, abs(hit.w)), normal = hit.xyz * slimAxes;
   vec3 ray = slimScreen.w > 0.0 ? vec3(0.0, 0.0, 1.0) : normalize(place);
   if (slimMode == 1) return slimLinear(0.5 * hit.xyz + 0.5);
-  if (slimMode == 8) return slimStripes(normal, ray);
-  vec3 base = hit.w < 0.0 ? vec3(0.52, 0.56, 0.64) : vec3(0.80, 0.74, 0.66);
+  if (slimMode == 8) return slimStripe(slimPhase(normal, ray));
+  vec3 base = hit.w < 0.0 ? kClayBack : kClay;
   vec4 painted = texelFetch(slimPainted, at, 0);
   if (slimMode == 9) base = painted.a > 0.0 ? painted.rgb / painted.a : vec3(1.0);
   else if (slimMode > 0) base = slimColorOf(slimValueOf(at));
   base = slimLinear(base);
   if (slimLit == 0) return base;
-  vec3 key = normalize(vec3(-0.55, 0.75, -0.65));
-  float lit = max(0.0, dot(normal, key));
-  float diffuse = 0.10 + 0.12 * (0.5 + 0.5 * normal.y) + 0.28 * max(0.0, -dot(normal, ray)) + 0.62 * lit;
-  float shine = lit > 0.0 ? 0.16 * pow(max(0.0, dot(normal, normalize(key - ray))), 40.0) : 0.0;
-  float dim = slimHollows.x > 0.0 ? 1.0 - slimHollows.x * (1.0 - slimOpen(at, place, normal)) : 1.0;
-  if (slimMode > 0) return base * (0.45 + 0.55 * min(1.0, diffuse)) * dim;
-  return min(vec3(1.0), (base * diffuse + shine) * dim);
+  float pixel = slimScreen.x * (slimScreen.w > 0.0 ? 1.0 : abs(hit.w));
+  float dim = slimHollows > 0.0 ? 1.0 - slimHollows * (1.0 - slimOpen(at, place, normal, pixel)) : 1.0;
+  return slimLit(base, slimMode > 0, normal, ray, dim);
 }
 
 void main()
@@ -197,8 +167,7 @@ void main()
 {
   vec2 at = gl_FragCoord.xy / slimCanvas;
   vec4 sum = texture(slimColors, vec2(at.x, 1.0 - at.y));
-  vec3 s = clamp(sum.rgb / sum.a, 0.0, 1.0);
-  slimOut[0] = vec4(mix(12.92 * s, 1.055 * pow(s, vec3(1.0 / 2.4)) - 0.055, greaterThan(s, vec3(0.0031308))), 1.0);
+  slimOut[0] = vec4(slimEncoded(sum.rgb / sum.a), 1.0);
 }
 `;
 
@@ -267,8 +236,8 @@ export function surfacePrograms(constants) {
     depths: [frame, head + MET_DEPTH],
     result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],
-    shade: [frame, ofFrame(1, camera, SHADE)],
-    present: [frame, ofFrame(1, PRESENT)],
+    shade: [frame, ofFrame(1, camera, GEOMETRY, SHARED.kSrgb, SHARED.kLight, SHADE)],
+    present: [frame, ofFrame(1, SHARED.kSrgb, PRESENT)],
     lines: [head + vertexCamera + LINE_VERTEX, ofFrame(1, LINE)],
   };
 }

@@ -59,7 +59,7 @@ export class Viewer {
     const [low, high] = this.range().map(x => logarithmic ? Math.log(x) : x);
     const plain = mode === 'normal' || mode === 'reflection';
     const lit = mode === page.mode ? page.lighting : true;
-    const paper = page.white ? [1, 0, 0] : this.dark ? [0.17, 0.07, 0.012] : [0.985, 0.145, 0.006];
+    const paper = page.white ? [1, 0, 0] : this.dark ? [0.17, 0.07, 0.012] : page.constants.kPaper;
     return {
       named: NAMED.includes(mode), painted: mode === 'color', hollows: lit && !plain ? this.hollows : 0,
       values: {slimMode: MODES.indexOf(mode), slimKnots: table.length, slimLevels: +(mode === 'level'),

@@ -37,6 +37,7 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
+#include "pcl_slim/visualization/studio.h"
 
 namespace pcl_slim {
 namespace {
@@ -185,6 +186,7 @@ void Scene::setSplats(std::shared_ptr<const SplatSet> splats) {
 
 void Scene::setMapper(GBufferMapper* mapper) {
   mapper_ = mapper;
+  mapper_->setLight(ObjectLight::kStudio);
   model_ = vtkSmartPointer<vtkActor>::New();
   model_->SetMapper(mapper_);
   setClayLook(model_->GetProperty());

@@ -23,6 +23,7 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
+#include "pcl_slim/visualization/studio.h"
 
 namespace pcl_slim {
 
@@ -137,14 +138,6 @@ void setTurningPoint(const BoundingSpheres& object, vtkCamera* camera) {
   if (middle > 0.0) camera->SetDistance(middle);
 }
 
-/** \brief A grey that grows lighter upwards, or white paper. */
-void setBackground(vtkRenderer* renderer, bool is_paper) {
-  renderer->SetGradientBackground(!is_paper);
-  if (is_paper) return renderer->SetBackground(1.0, 1.0, 1.0);
-  renderer->SetBackground(0.84, 0.84, 0.846);
-  renderer->SetBackground2(0.985, 0.985, 0.99);
-}
-
 RayBackend backendOf(const std::string& name) {
   return name == "cpu"      ? RayBackend::kCPU
          : name == "opengl" ? RayBackend::kOpenGL
@@ -203,7 +196,7 @@ Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
       scene_(renderer_),
       overlay_(renderer_),
       cut_box_([this] { scene_.cut(cut_box_.sides()); }) {
-  setBackground(renderer_, false);
+  setStudioBackground(renderer_);
   setStudioLights(renderer_);
   renderer_->UseFXAAOn();
   window_->SetMultiSamples(0);
@@ -246,6 +239,8 @@ void Viewer::begin() {
   overlay_.showHelp(settings_.help);
   if (!isCameraTheUsers()) resetCamera();
   onResized();
+  ranges_fitted_ = false;
+  fitRanges();
   updateStatus();
 }
 
@@ -300,19 +295,36 @@ void Viewer::makeRoomForBar() {
   resetCamera();
 }
 
+/** \brief Gives numbers the colours that a picture of the first view has, where the user gave no
+ * range. */
+void Viewer::fitRanges() {
+  GBufferMapper* mapper = scene_.mapper();
+  if (ranges_fitted_ || !mapper || !showsNumbers(mapper->getMode())) return;
+  ranges_fitted_ = mapper->fitRanges(renderer_, scene_.model());
+}
+
 void Viewer::onKey(const std::string& symbol) {
   const Key* key = findKey(symbol);
   if (!key) return;
   message_.clear();
   execute(*key);
   makeRoomForBar();
+  if (key->command == Command::kAutomaticRange) ranges_fitted_ = false;
+  fitRanges();
   updateStatus();
   if (key->command != Command::kQuit) render();
 }
 
 void Viewer::updateBackground() {
   const GBufferMapper* mapper = scene_.mapper();
-  setBackground(renderer_, mapper && mapper->getMode() == DisplayMode::kSketch);
+  const bool is_paper = mapper && mapper->getMode() == DisplayMode::kSketch;
+  if (!is_paper) {
+    if (!renderer_->GetTexturedBackground()) setStudioBackground(renderer_);
+    return;
+  }
+  renderer_->TexturedBackgroundOff();
+  renderer_->GradientBackgroundOff();
+  renderer_->SetBackground(1.0, 1.0, 1.0);
 }
 
 void Viewer::onResized() {

@@ -116,6 +116,7 @@ class Viewer {
   void screenshotByKey();
   void readUnderMouse();
   void makeRoomForBar();
+  void fitRanges();
   void updateStatus();
   void takeFit();
 
@@ -130,6 +131,7 @@ class Viewer {
   Error fit_error_;
   std::string message_;         ///< shown once in the status line
   std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's
+  bool ranges_fitted_ = false;  ///< to what the camera saw when numbers were first shown
   bool mouse_rests_ = true;     ///< the mouse has not moved since the last readout
 };
 

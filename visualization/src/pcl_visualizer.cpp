@@ -12,6 +12,7 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
+#include "pcl_slim/visualization/studio.h"
 
 namespace pcl_slim {
 namespace {
@@ -54,6 +55,7 @@ std::string barId(const std::string& id) {
 vtkSmartPointer<vtkActor> actorWith(GBufferMapper* mapper) {
   auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
+  mapper->setLight(ObjectLight::kStudio);
   setClayLook(actor->GetProperty());
   return actor;
 }

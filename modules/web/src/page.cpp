@@ -12,6 +12,7 @@
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/detail/frame_constants.h"
+#include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/web/web_surface.h"
 
@@ -119,6 +120,9 @@ std::string colorTables() {
 std::string constants() {
   JsonText json;
   for (const FrameConstant& c : kFrameConstants) json.member(c.name, JsonText::number(c.value));
+  for (const LightConstant& c : kLightConstants) {
+    json.member(c.name, c.count > 1 ? JsonText::numbers(c.value) : JsonText::number(c.value[0]));
+  }
   json.member("kMaxLayers", JsonText::number(kMaxLayers));
   json.member("kColorGate", JsonText::number(kColorGate));
   json.member("kOtherSheet", JsonText::number(kOtherSheet));

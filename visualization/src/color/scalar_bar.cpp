@@ -2,20 +2,24 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 
 #include <vtkDoubleArray.h>
-#include <vtkLight.h>
 #include <vtkNew.h>
-#include <vtkProperty.h>
+#include <vtkObjectFactory.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 #include <vtkScalarsToColors.h>
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
+#include "pcl_slim/render/detail/ticks.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
 
 namespace pcl_slim {
+
+using namespace detail;
 namespace {
 
 void setTextLook(vtkTextProperty* text, int size, bool bold) {
@@ -34,25 +38,51 @@ std::string unitOf(DisplayMode mode, const std::string& unit) {
 }
 
 /** \brief A number in the middle of each level's colour, at most ten of them. */
-void labelLevels(const double* range, vtkScalarBarActor* bar) {
+std::vector<double> levelTicks(const double* range) {
   const int first = static_cast<int>(std::lround(range[0] + 0.5));
   const int last = static_cast<int>(std::lround(range[1] - 0.5));
   const int step = 1 + (last - first) / 10;
-  vtkNew<vtkDoubleArray> labels;
-  for (int level = first; level <= last; level += step) labels->InsertNextValue(level);
-  bar->SetCustomLabels(labels);
-  bar->SetUseCustomLabels(true);
-  bar->SetLabelFormat("%-2.0f");
+  std::vector<double> ticks;
+  for (int level = first; level <= last; level += step) ticks.push_back(level);
+  return ticks;
 }
 
-void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
-  vtkNew<vtkLight> light;
-  light->SetLightTypeToCameraLight();
-  light->SetPosition(x, y, z);
-  light->SetFocalPoint(0.0, 0.0, 0.0);
-  light->SetIntensity(intensity);
-  renderer->AddLight(light);
-}
+/** \brief A bar whose ticks are round numbers of the range that its table has just now. */
+class RoundScalarBar : public vtkScalarBarActor {
+ public:
+  static RoundScalarBar* New();
+  vtkTypeMacro(RoundScalarBar, vtkScalarBarActor)
+
+  void setMode(DisplayMode mode) { mode_ = mode; }
+
+  int RenderOverlay(vtkViewport* viewport) override {
+    setTicks();
+    return Superclass::RenderOverlay(viewport);
+  }
+  int RenderOpaqueGeometry(vtkViewport* viewport) override {
+    setTicks();
+    return Superclass::RenderOpaqueGeometry(viewport);
+  }
+
+ private:
+  void setTicks() {
+    const double* range = GetLookupTable()->GetRange();
+    if (GetUseCustomLabels() && range[0] == range_[0] && range[1] == range_[1]) return;
+    range_ = {range[0], range[1]};
+    vtkNew<vtkDoubleArray> labels;
+    const auto ticks = mode_ == DisplayMode::kLevel
+                           ? levelTicks(range)
+                           : roundTicks(range[0], range[1], mode_ == DisplayMode::kSize);
+    for (const double tick : ticks) labels->InsertNextValue(tick);
+    SetCustomLabels(labels);
+    UseCustomLabelsOn();
+  }
+
+  DisplayMode mode_ = DisplayMode::kMean;
+  std::array<double, 2> range_{};
+};
+
+vtkStandardNewMacro(RoundScalarBar)
 
 }  // namespace
 
@@ -60,8 +90,8 @@ std::string titleOf(DisplayMode mode) {
   switch (mode) {
     case DisplayMode::kMean: return "mean curvature";
     case DisplayMode::kGauss: return "Gaussian curvature";
-    case DisplayMode::kMax: return "largest curvature";
-    case DisplayMode::kMin: return "smallest curvature";
+    case DisplayMode::kMax: return "maximum curvature";
+    case DisplayMode::kMin: return "minimum curvature";
     case DisplayMode::kLevel: return "level";
     case DisplayMode::kSize: return "radius";
     case DisplayMode::kError: return "residual";
@@ -72,7 +102,7 @@ std::string titleOf(DisplayMode mode) {
 }
 
 vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper, const std::string& unit) {
-  auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
+  auto bar = vtkSmartPointer<RoundScalarBar>::New();
   const DisplayMode mode = mapper.getMode();
   vtkScalarsToColors* table = mapper.GetLookupTable();
   const std::string shown_unit = unitOf(mode, unit);
@@ -81,12 +111,8 @@ vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper, const st
   std::replace(title.begin(), title.end(), ' ', '\n');
   bar->SetLookupTable(table);
   bar->SetTitle(title.c_str());
-  if (mode == DisplayMode::kLevel) {
-    labelLevels(table->GetRange(), bar);
-  } else {
-    bar->SetNumberOfLabels(5);
-    bar->SetLabelFormat("%.3g");
-  }
+  bar->setMode(mode);
+  bar->SetLabelFormat("%g");
   bar->SetMaximumNumberOfColors(256);
   bar->SetOrientationToVertical();
   bar->SetPosition(0.87, 0.2);
@@ -118,22 +144,6 @@ void contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar) {
 void setLetters(vtkScalarBarActor* bar, int pixels) {
   bar->GetTitleTextProperty()->SetFontSize(pixels);
   bar->GetLabelTextProperty()->SetFontSize(pixels);
-}
-
-void setClayLook(vtkProperty* property) {
-  property->SetColor(0.80, 0.74, 0.66);
-  property->SetAmbient(0.22);
-  property->SetDiffuse(0.9);
-  property->SetSpecular(0.18);
-  property->SetSpecularColor(1.0, 1.0, 1.0);
-  property->SetSpecularPower(40.0);
-}
-
-void setStudioLights(vtkRenderer* renderer) {
-  renderer->RemoveAllLights();
-  renderer->AutomaticLightCreationOff();
-  addLight(renderer, 0.0, 0.0, 1.0, 0.35);
-  addLight(renderer, -0.55, 0.75, 0.65, 0.68);
 }
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "frame/frame.h"
+#include "frame/light_glsl.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -36,7 +37,10 @@ uniform mat4 slimProjection;
 uniform mat3 slimRotation;      // model to view
 uniform int slimMode;
 uniform vec3 slimRange;         // lowest value, 1 / span, and whether by the logarithm
-const vec3 slimBackColor = vec3(0.52, 0.56, 0.64);  // the inner side, where both are shown
+uniform int slimStudio;         // the pictures' light, not the renderer's
+uniform int slimIsLit;
+uniform vec3 slimActorColor;
+uniform float slimHollows;      // strength of their shade
 uniform int slimNumCuts;
 uniform vec4 slimCuts[6];       // clipping planes in view coordinates
 
@@ -122,12 +126,20 @@ float slimValue(vec4 a)
   return a.z;
 }
 
-// Stripes of light along the vertical, far away all around the viewer.
-float slimStripes(vec3 direction)
+vec2 slimOnPlane(vec2 texel)
 {
-  float angle = 12.0 * asin(clamp(direction.x, -1.0, 1.0));
-  float soft = clamp(fwidth(angle), 0.02, 2.0);
-  return clamp(0.5 + sin(angle) / soft, 0.0, 1.0);
+  vec2 ndc = 2.0 * texel / (slimTexels * slimViewport.zw) - 1.0;
+  return slimPlane.xz * vec2(ndc.x, -ndc.y) + slimPlane.yw;
+}
+)";
+
+// Of the light's functions, in the camera's axes.
+constexpr const char* kPlace = R"(
+vec3 slimPlace(ivec2 at, float depth)
+{
+  vec2 plane = slimOnPlane(vec2(at) + 0.5);
+  float length = depth * slimDepth.z;
+  return slimDepth.x > 0.0 ? vec3(plane, slimDepth.y + length) : length * normalize(vec3(plane, 1.0));
 }
 )";
 
@@ -139,14 +151,12 @@ constexpr const char* kPosition = R"(
   vec4 slimLine = slimLineAt();
   bool slimOff = slimHit.w == 0.0 && slimLine.a >= 0.5;
   if (slimOff) slimHit = slimBeside();
-  vec2 slimNdc = 2.0 * (gl_FragCoord.xy - slimViewport.xy) / slimViewport.zw - 1.0;
-  vec2 slimXY = slimPlane.xz * slimNdc + slimPlane.yw;
+  vec2 slimXY = slimOnPlane(slimAt);
   float slimT = abs(slimHit.w) * slimDepth.z;
   vec3 slimRay = slimDepth.x > 0.0 ? vec3(0.0, 0.0, -1.0) : normalize(vec3(slimXY, -1.0));
   vec4 vertexVC = slimDepth.x > 0.0 ? vec4(slimXY, -slimDepth.y - slimT, 1.0)
                                     : vec4(slimT * slimRay, 1.0);
   vec3 normalVCVSOutput = normalize(slimRotation * slimHit.xyz + vec3(0.0, 0.0, 1e-30));
-  float slimStripe = slimMode == 8 ? slimStripes(reflect(slimRay, normalVCVSOutput)) : 0.0;
 )";
 
 constexpr const char* kDepth = R"(
@@ -158,10 +168,10 @@ constexpr const char* kDepth = R"(
   gl_FragDepth = clamp(0.5 + 0.5 * slimClip.z / slimClip.w, 0.0, 1.0);
 )";
 
-// Colours that encode numbers keep most of their brightness, so that they stay legible.
+// The renderer's lights leave colours that encode something most of their brightness, as the studio's do.
 constexpr const char* kColor = R"(//VTK::Color::Impl
-  vec3 slimBase = diffuseColor;
-  if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
+  vec3 slimBase = slimStudio != 0 ? slimActorColor : diffuseColor;
+  if (slimMode == 0 && slimHit.w < 0.0) slimBase = diffuseColor = kClayBack;
   if (slimMode == 1) slimBase = 0.5 * slimHit.xyz / length(slimHit.xyz) + 0.5;
   if ((slimMode >= 2 && slimMode <= 7) || slimMode == 10) {
     bool whole = slimMode == 6 || slimMode == 10;
@@ -173,25 +183,44 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
     float u = slimMode == 6 ? (floor(min(x * n, n - 1.0)) + 0.5) / n : (x * (n - 1.0) + 0.5) / n;
     slimBase = texture(slimTable, vec2(u, 0.5)).rgb;
   }
-  if (slimMode == 8) slimBase = mix(vec3(0.08, 0.09, 0.12), vec3(0.96), slimStripe);
   if (slimMode == 9) {
     vec4 weighted = slimFetch(slimColors);  // by 1, but for those that the graphics card adds up
     slimBase = weighted.rgb / max(weighted.a, 1e-30);
   }
   if (slimMode > 0) {
-    ambientColor = 0.45 * slimBase;
-    diffuseColor = 0.55 * slimBase;
+    ambientColor = kCodedAmbient * slimBase;
+    diffuseColor = kCodedDiffuse * slimBase;
   }
 )";
 
-// Normals, stripes and the colours of what has its own are shown as they are.
-constexpr const char* kUnlit = R"(
-  if (slimMode == 1 || slimMode == 8 || slimMode == 9) gl_FragData[0] = vec4(slimBase, opacity);
-  if (slimMode == 11) gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);
-  vec3 slimPaper = pow(max(gl_FragData[0].rgb, vec3(0.0)), vec3(2.2));
-  vec3 slimInk = pow(slimLine.rgb, vec3(2.2));
+// The pictures' light in place of what VTK's lights have given; normals, stripes and paper have none of either.
+constexpr const char* kFinish = R"(
+  vec3 slimInCamera = normalVCVSOutput * vec3(1.0, 1.0, -1.0), slimAway = slimRay * vec3(1.0, 1.0, -1.0);
+  if (slimMode == 1 || (slimStudio != 0 && slimIsLit == 0)) {
+    gl_FragData[0] = vec4(slimBase, opacity);
+  } else if (slimMode == 8) {
+    // Four places of the pixel, as a picture has rays: stripes are fine where the surface bends.
+    float phase = slimPhase(slimInCamera, slimAway);
+    vec2 quarter = 0.25 * vec2(dFdx(phase), dFdy(phase));
+    float up = quarter.x + quarter.y, down = quarter.x - quarter.y;
+    vec3 light = slimStripe(phase + up) + slimStripe(phase - up) + slimStripe(phase + down) +
+                 slimStripe(phase - down);
+    gl_FragData[0] = vec4(slimEncoded(0.25 * light), opacity);
+  } else if (slimMode == 11) {
+    gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);
+  } else if (slimStudio != 0) {
+    float pixel = 2.0 * slimPlane.z / (slimTexels.y * slimViewport.w) * (slimDepth.x > 0.0 ? 1.0 : slimT);
+    float dim = 1.0;
+    if (slimHollows > 0.0) {
+      vec3 place = slimPlace(slimLow, abs(slimHit.w));
+      dim -= slimHollows * (1.0 - slimOpen(slimLow, place, slimInCamera, pixel));
+    }
+    vec3 light = slimLit(slimLinear(slimBase), slimMode > 0, slimInCamera, slimAway, dim);
+    gl_FragData[0] = vec4(slimEncoded(light), opacity);
+  }
   if (slimLine.a > 0.0) {
-    gl_FragData[0].rgb = pow(mix(slimPaper, slimInk, slimOff ? 1.0 : slimLine.a), vec3(1.0 / 2.2));
+    vec3 below = slimLinear(clamp(gl_FragData[0].rgb, 0.0, 1.0));
+    gl_FragData[0].rgb = slimEncoded(mix(below, slimLinear(slimLine.rgb), slimOff ? 1.0 : slimLine.a));
   }
   //VTK::TCoord::Impl
 )";
@@ -224,7 +253,8 @@ const char* resolveVertexShader() {
 }
 
 void insertResolve(std::string& source) {
-  vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec", kDeclarations);
+  vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec",
+                               lightConstantsGlsl() + kDeclarations + kSrgb + kLight + kPlace);
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
   vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
   // VTK's own clipping would need a distance from the vertex shader.
@@ -233,7 +263,7 @@ void insertResolve(std::string& source) {
   vtkShaderProgram::Substitute(source, "//VTK::Normal::Dec", "");
   vtkShaderProgram::Substitute(source, "//VTK::Normal::Impl", "");
   vtkShaderProgram::Substitute(source, "//VTK::Color::Impl", kColor);
-  vtkShaderProgram::Substitute(source, "//VTK::TCoord::Impl", kUnlit);
+  vtkShaderProgram::Substitute(source, "//VTK::TCoord::Impl", kFinish);
 }
 
 void tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,

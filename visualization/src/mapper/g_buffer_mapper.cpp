@@ -9,6 +9,7 @@
 #include <vtkOpenGLState.h>
 #include <vtkOpenGLVertexArrayObject.h>
 #include <vtkPolyData.h>
+#include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkShader.h>
 #include <vtkShaderProgram.h>
@@ -20,6 +21,7 @@
 #include "color/color_scale.h"
 #include "frame/frame.h"
 #include "pcl_slim/core/stopwatch.h"
+#include "pcl_slim/render/shading.h"
 
 namespace pcl_slim {
 
@@ -27,6 +29,9 @@ namespace pcl_slim {
 struct GBufferMapper::State {
   DisplayMode mode = DisplayMode::kShaded;
   double range = 0.0, budget = 50.0;
+  ObjectLight light = ObjectLight::kScene;
+  double hollows = ShadingParams().ambient_occlusion;
+  std::map<DisplayMode, std::array<double, 2>> seen_ranges;  ///< of fitRanges()
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   FrameStatistics statistics;
@@ -84,7 +89,34 @@ void GBufferMapper::setRange(double range) {
 
 double GBufferMapper::getRange() const {
   if (takesRange(state_->mode) && state_->range > 0.0) return state_->range;
-  return automaticRange(state_->mode)[1];
+  return unsetRange()[1];
+}
+
+/** \brief The automatic range of the mode that is set. */
+std::array<double, 2> GBufferMapper::unsetRange() const {
+  const auto seen = state_->seen_ranges.find(state_->mode);
+  return seen != state_->seen_ranges.end() ? seen->second : automaticRange(state_->mode);
+}
+
+void GBufferMapper::setLight(ObjectLight light) {
+  if (light == state_->light) return;
+  state_->light = light;
+  Modified();
+}
+
+ObjectLight GBufferMapper::getLight() const {
+  return state_->light;
+}
+
+void GBufferMapper::setAmbientOcclusion(double strength) {
+  strength = std::isfinite(strength) ? std::clamp(strength, 0.0, 1.0) : 0.0;
+  if (strength == state_->hollows) return;
+  state_->hollows = strength;
+  Modified();
+}
+
+double GBufferMapper::getAmbientOcclusion() const {
+  return state_->hollows;
 }
 
 void GBufferMapper::setFrameBudget(double milliseconds) {
@@ -123,6 +155,7 @@ const Error& GBufferMapper::getError() const {
 
 void GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 6>& bounds) {
   state_->bounds = bounds;
+  state_->seen_ranges.clear();
   ++state_->object;
   state_->frame.clear();
   state_->table_current = false;
@@ -136,7 +169,7 @@ void GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 
 void GBufferMapper::updateTable() {
   State& s = *state_;
   if (s.table_current || !showsNumbers(s.mode)) return;
-  std::array<double, 2> limits = automaticRange(s.mode);
+  std::array<double, 2> limits = unsetRange();
   if (takesRange(s.mode) && s.range > 0.0) {
     limits = {showsCurvature(s.mode) ? -s.range : 0.0, s.range};
   }
@@ -194,17 +227,48 @@ bool GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y
   x -= left;
   y -= bottom;
   if (x < 0 || y < 0 || x >= width || y >= height) return false;
-  const VtkView view = viewOf(renderer, actor, state_->bounds, width, height);
-  ViewCamera translated;
-  if (translateView(view.gl, view.near_distance, 1, translated)) return false;
-  const double column = (x + 0.5) * translated.texels_x - 0.5;
-  FrameRequest request{translated.near_plane, state_->sides, state_->threads,
-                       clipPlanesOf(this, actor)};
-  complete(request);
-  request.lod = 0.0;
-  const Camera camera = cameraOfPixel(translated.camera, column, height - 1 - y);
+  ViewCamera view;
+  FrameRequest request;
+  if (!requestOf(renderer, actor, width, height, view, request)) return false;
+  const double column = (x + 0.5) * view.texels_x - 0.5;
+  const Camera camera = cameraOfPixel(view.camera, column, height - 1 - y);
   if (rasterize(camera, request, pixel)) return false;
   return pixel.numPixels() == 1 && pixel.covered(0);
+}
+
+bool GBufferMapper::fitRanges(vtkRenderer* renderer, vtkActor* actor) {
+  int width = 0, height = 0;
+  renderer->GetTiledSize(&width, &height);
+  ViewCamera view;
+  FrameRequest request;
+  GBuffer buffer;
+  if (!requestOf(renderer, actor, width, height, view, request)) return false;
+  if (rasterize(view.camera, request, buffer) || buffer.numCovered() == 0) return false;
+  for (const std::string& name : displayModeNames()) {
+    const DisplayMode mode = *displayModeOf(name);
+    // Levels outside of this view have colours of their own, too.
+    if (!supports(mode) || !showsNumbers(mode) || mode == DisplayMode::kLevel) continue;
+    ShadingParams shading;
+    shading.mode = *shadingModeOf(name);
+    const ShadingRange range = rangeOf(buffer, shading, lengthScale());
+    state_->seen_ranges[mode] = {range.low, range.high};
+  }
+  state_->table_current = false;
+  updateTable();
+  Modified();
+  return true;
+}
+
+/** \brief Fills in what a camera sees of the object through a viewport at rest, every surfel at full
+ * detail. \return false where nothing can be drawn */
+bool GBufferMapper::requestOf(vtkRenderer* renderer, vtkActor* actor, int width, int height,
+                              ViewCamera& view, FrameRequest& request) {
+  const VtkView seen = viewOf(renderer, actor, state_->bounds, width, height);
+  if (translateView(seen.gl, seen.near_distance, 1, view)) return false;
+  request = {view.near_plane, state_->sides, state_->threads, clipPlanesOf(this, actor)};
+  complete(request);
+  request.lod = 0.0;
+  return true;
 }
 
 void GBufferMapper::PrintSelf(ostream& os, vtkIndent indent) {
@@ -351,10 +415,17 @@ void GBufferMapper::ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> sh
   Superclass::ReplaceShaderValues(shaders, renderer, actor);
 }
 
-void GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* /*renderer*/,
-                                              vtkActor* /*actor*/) {
+void GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* renderer,
+                                              vtkActor* actor) {
   State& s = *state_;
   vtkShaderProgram* program = primitive.Program;
+  std::array<float, 3> color{};
+  std::copy_n(actor->GetProperty()->GetDiffuseColor(), 3, color.begin());
+  const bool shaded = s.frame.coarseness() == 1 && !isInteracting(renderer);
+  program->SetUniformi("slimStudio", s.light == ObjectLight::kStudio);
+  program->SetUniformi("slimIsLit", actor->GetProperty()->GetLighting());
+  program->SetUniform3f("slimActorColor", color.data());
+  program->SetUniformf("slimHollows", shaded ? static_cast<float>(s.hollows) : 0.0f);
   s.textures.tell(program);
   const std::array<float, 3> range = ColorScale(s.mode, GetLookupTable()).shader;
   program->SetUniformi("slimMode", static_cast<int>(s.mode));

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
-#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/mesh_renderer.h"
 #include "shading/shading.h"
 
@@ -78,10 +78,8 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr int kSamples = 16;
-constexpr int kPatterns = 16;     ///< rotations of the spiral, repeating in 4 x 4 pixels
-constexpr double kReach = 0.045;  ///< of the picture's smaller side
-constexpr double kGoldenAngle = 2.39996322972865332;
+constexpr int kSamples = static_cast<int>(kHollowSamples);
+constexpr int kPatterns = 16;  ///< rotations of the spiral, repeating in 4 x 4 pixels
 
 struct Offset {
   int dx, dy;
@@ -111,42 +109,32 @@ float hiddenBy(const GBuffer& buffer, std::size_t pixel, std::size_t other, floa
   const float distance_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   if (!(distance_sq > 0.0f)) return 0.0f;
   const float rise = (d[0] * n[0] + d[1] * n[1] + d[2] * n[2]) / std::sqrt(distance_sq);
+  constexpr auto kLeast = static_cast<float>(kHollowRise);
   const float fade = std::max(0.0f, 1.0f - distance_sq / (4.0f * reach * reach));
-  return std::max(0.0f, rise - 0.08f) * fade;
-}
-
-/** \brief Local length of a pixel at the object: from neighbouring positions, robustly. */
-float pixelLength(const GBuffer& buffer) {
-  std::vector<float> steps;
-  for (int y = 0; y < buffer.height; y += 4) {
-    for (int x = 0; x + 1 < buffer.width; x += 4) {
-      const std::size_t a = buffer.index(x, y), b = a + 1;
-      if (!buffer.covered(a) || !buffer.covered(b)) continue;
-      const auto &p = buffer.position[a], &q = buffer.position[b];
-      steps.push_back(std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]));
-    }
-  }
-  if (steps.empty()) return 0.0f;
-  return kthSmallest(steps, steps.size() / 4);
+  return std::max(0.0f, rise - kLeast) * fade;
 }
 
 /** \brief How open each covered pixel's surroundings are: 1 open, towards 0 in a hollow.
  *
  * Looks at neighbouring pixels on a fixed spiral up to a fixed share of the picture and measures
- * how far they rise over the pixel's tangent plane; neighbours much nearer to the viewer belong
- * to other parts and fade out. A depth cue, not a light simulation. O(pixels).
+ * how far they rise over the pixel's tangent plane; those that are farther away than twice the
+ * spiral's radius at the pixel's depth belong to other parts and have faded out. A depth cue, not a
+ * light simulation. O(pixels).
+ * \param[in] rays of the camera, in the buffer's units
  */
-std::vector<float> ambientOcclusion(const GBuffer& buffer, int threads) {
+std::vector<float> ambientOcclusion(const GBuffer& buffer, const CameraRays& rays, int threads) {
   std::vector<float> open(buffer.numPixels(), 1.0f);
-  const double reach_pixels = std::max(2.0, kReach * std::min(buffer.width, buffer.height));
-  const float reach = static_cast<float>(reach_pixels) * pixelLength(buffer);
-  if (!(reach > 0.0f)) return open;
+  const double reach_pixels = std::max(2.0, kHollowReach * std::min(buffer.width, buffer.height));
+  const auto reach_at_eye = static_cast<float>(reach_pixels * rays.pixelAtEye());
+  const auto reach_per_depth = static_cast<float>(reach_pixels * rays.pixelPerDepth());
   const auto spirals = makeSpirals(reach_pixels);
   parallelFor(static_cast<std::size_t>(buffer.height), threads, 8, [&](std::size_t row, int) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < buffer.width; ++x) {
       const std::size_t pixel = buffer.index(x, y);
       if (!buffer.covered(pixel)) continue;
+      const float reach = reach_at_eye + reach_per_depth * buffer.depth[pixel];
+      if (!(reach > 0.0f)) continue;
       float hidden = 0.0f;
       for (const Offset& offset : spirals[static_cast<std::size_t>((y & 3) * 4 + (x & 3))]) {
         const int nx = x + offset.dx, ny = y + offset.dy;
@@ -154,7 +142,7 @@ std::vector<float> ambientOcclusion(const GBuffer& buffer, int threads) {
         const std::size_t other = buffer.index(nx, ny);
         if (buffer.covered(other)) hidden += hiddenBy(buffer, pixel, other, reach);
       }
-      open[pixel] = std::max(0.0f, 1.0f - 1.6f * hidden / kSamples);
+      open[pixel] = std::max(0.0f, 1.0f - static_cast<float>(kHollowStrength) * hidden / kSamples);
     }
   });
   return open;
@@ -168,14 +156,16 @@ struct LightRig {
   explicit LightRig(const Camera& camera) : rays(camera, {0.0, 0.0, 0.0}, 1.0) {
     const CameraAxes axes(camera);
     head = scaled(axes.forward, -1.0);
-    key = normalized(along(along(scaled(axes.right, -0.55), 0.75, axes.up), -0.65, axes.forward));
+    key = normalized(along(along(scaled(axes.right, kKeyLight[0]), kKeyLight[1], axes.up),
+                           kKeyLight[2], axes.forward));
     sky = axes.up;
     right = axes.right;
   }
 };
 
-constexpr Color kClay{0.80f, 0.74f, 0.66f};      ///< sRGB
-constexpr Color kClayBack{0.52f, 0.56f, 0.64f};  ///< the inner side, where both are shown
+Color asColor(const std::array<double, 3>& c) {
+  return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
+}
 
 /** \brief Diffuse and specular light a unit normal receives, viewed along a unit ray. */
 struct Light {
@@ -186,8 +176,9 @@ struct Light {
     const Vector3 half = normalized(along(rig.key, 1.0, to_viewer));
     const double key = std::max(0.0, dot(normal, rig.key));
     const double head = std::max(0.0, dot(normal, to_viewer));
-    diffuse = 0.10 + 0.12 * (0.5 + 0.5 * dot(normal, rig.sky)) + 0.28 * head + 0.62 * key;
-    specular = 0.16 * std::pow(std::max(0.0, dot(normal, half)), 40.0) * (key > 0.0 ? 1.0 : 0.0);
+    diffuse = kAmbientLight + kSkyLight * (0.5 + 0.5 * dot(normal, rig.sky)) + kHeadLight * head +
+              kKeyStrength * key;
+    specular = key > 0.0 ? kShine * std::pow(std::max(0.0, dot(normal, half)), kShinePower) : 0.0;
   }
 };
 
@@ -199,22 +190,20 @@ Color baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& p
   switch (params.mode) {
     case ShadingMode::kLevel: return categoryColor(buffer.level[pixel]);
     case ShadingMode::kColor: return buffer.color[pixel];
-    default: return buffer.back_face[pixel] ? kClayBack : kClay;
+    default: return asColor(buffer.back_face[pixel] ? kClayBack : kClay);
   }
 }
 
 /** \brief Vertical stripes of light, far away all around the viewer, as the surface mirrors them.
  */
 Color mirroredStripes(const LightRig& rig, const Vector3& normal, const Vector3& ray) {
-  constexpr double kStripes = 12.0;  ///< phase per radian
-  constexpr double kEdge = 0.15;     ///< of a stripe, by the sine of its phase
-  constexpr Color kDark{0.08f, 0.09f, 0.12f};
-  constexpr float kLight = 0.96f;
+  const Color dark = asColor(kStripeDark);
+  constexpr auto kLight = static_cast<float>(kStripeLight);
   const Vector3 mirrored = along(ray, -2.0 * dot(ray, normal), normal);
   const double phase = kStripes * std::asin(std::clamp(dot(mirrored, rig.right), -1.0, 1.0));
-  const auto share = static_cast<float>(std::clamp(0.5 + std::sin(phase) / kEdge, 0.0, 1.0));
+  const auto share = static_cast<float>(std::clamp(0.5 + std::sin(phase) / kStripeEdge, 0.0, 1.0));
   Color color;
-  for (std::size_t k = 0; k < 3; ++k) color[k] = kDark[k] + share * (kLight - kDark[k]);
+  for (std::size_t k = 0; k < 3; ++k) color[k] = dark[k] + share * (kLight - dark[k]);
   return toLinear(color);
 }
 
@@ -234,7 +223,8 @@ Color litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const Lig
   const Light light(rig, normal, ray);
   const bool clay = params.mode == ShadingMode::kShaded;
   // Colour-coded pictures keep their colours legible: less contrast, no highlight.
-  const double diffuse = clay ? light.diffuse : 0.45 + 0.55 * std::min(1.0, light.diffuse);
+  const double diffuse =
+      clay ? light.diffuse : kCodedAmbient + kCodedDiffuse * std::min(1.0, light.diffuse);
   const double specular = clay ? light.specular : 0.0;
   const double dim = 1.0 - params.ambient_occlusion * (1.0 - open);
   Color color;
@@ -286,7 +276,7 @@ std::vector<Color> shadeLinear(const GBuffer& buffer, const Camera& camera,
   const LightRig rig(camera);
   std::vector<float> open(buffer.numPixels(), 1.0f);
   if (wantsAmbientOcclusion(params)) {
-    open = ambientOcclusion(buffer, threads);
+    open = ambientOcclusion(buffer, CameraRays(camera, {0.0, 0.0, 0.0}, scale), threads);
   }
   std::vector<Color> colors(buffer.numPixels());
   parallelFor(static_cast<std::size_t>(buffer.height), threads, 8, [&](std::size_t row, int) {

@@ -10,6 +10,7 @@
 #include "pcl_slim/core/srgb.h"
 #include "pcl_slim/query/surface_probe.h"
 #include "pcl_slim/render/color_map.h"
+#include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/shading.h"
 
@@ -23,8 +24,8 @@ inline Color toLinear(const Color& s) {
 inline Color backgroundAt(const ShadingParams& params, int y, int height) {
   if (!params.gradient_background) return {1.0f, 1.0f, 1.0f};
   const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-  const float level = 0.985f - 0.145f * t * t;
-  return toLinear({level, level, level + 0.006f});
+  const float level = static_cast<float>(kPaper[0]) - static_cast<float>(kPaper[1]) * t * t;
+  return toLinear({level, level, level + static_cast<float>(kPaper[2])});
 }
 
 /** \brief Linear light to an 8-bit sRGB channel. */

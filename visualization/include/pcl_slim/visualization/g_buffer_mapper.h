@@ -25,6 +25,12 @@ class FrameTextures;
 struct ViewCamera;
 }  // namespace detail
 
+/** \brief What lights an object. */
+enum class ObjectLight : unsigned char {
+  kScene,   ///< the renderer's lights and the actor's vtkProperty, as VTK lights triangles
+  kStudio,  ///< the light of pcl_slim_render's pictures, whatever lights the renderer has
+};
+
 /** \brief What a mapper drew, and what it did not have to draw again. */
 struct FrameStatistics {
   std::uint64_t frames = 0;        ///< times the renderer drew the object
@@ -84,6 +90,22 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   void setRange(double range);
   /** \brief The range given, or the automatic one of the mode that is set. */
   double getRange() const;
+  /** \brief Takes the automatic ranges of all modes but levels from what a camera sees now, as
+   * pcl_slim_render does for a picture, and keeps them until the object changes. The CPU draws a
+   * frame for that. \return false, and nothing changes, where the camera sees nothing. O(pixels +
+   * leaves or splats). */
+  bool fitRanges(vtkRenderer* renderer, vtkActor* actor);
+
+  /** \brief What lights the object (kScene). The studio's light is that of pcl_slim_render's pictures
+   * and pages: it moves with the camera and darkens hollows. Of the actor's vtkProperty its colour
+   * (DiffuseColor), opacity and Lighting then count: without lighting, colours are drawn bare. */
+  void setLight(ObjectLight light);
+  ObjectLight getLight() const;
+
+  /** \brief Strength of the studio's shade in hollows, 0 to 1 (.6). Frames with a ray for every
+   * pixel have it. */
+  void setAmbientOcclusion(double strength);
+  double getAmbientOcclusion() const;
 
   /** \brief Longest time for a frame while the mouse moves, milliseconds (50); 0: any. */
   void setFrameBudget(double milliseconds);
@@ -162,6 +184,9 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   GBufferMapper(const GBufferMapper&) = delete;
   void operator=(const GBufferMapper&) = delete;
 
+  std::array<double, 2> unsetRange() const;
+  bool requestOf(vtkRenderer* renderer, vtkActor* actor, int width, int height,
+                 detail::ViewCamera& view, FrameRequest& request);
   bool prepareFrame(vtkRenderer* renderer, vtkActor* actor);
   Error makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, int coarseness);
   void uploadFrame(vtkOpenGLRenderWindow* window);

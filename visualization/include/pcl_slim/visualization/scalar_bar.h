@@ -8,7 +8,6 @@
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/visualization/display_mode.h"
 
-class vtkProperty;
 class vtkRenderer;
 class vtkScalarBarActor;
 
@@ -19,8 +18,8 @@ class GBufferMapper;
 /** \brief "mean curvature", "radius" ...: the quantity of a mode's colours. */
 PCL_SLIM_EXPORT std::string titleOf(DisplayMode mode);
 
-/** \brief A scalar bar of a mapper's colours at the right of the window, with title and unit. It
- * follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
+/** \brief A scalar bar of a mapper's colours at the right of the window, with title, unit and round
+ * numbers. It follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
  * nothing. */
 vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper,
                                                  const std::string& unit = "");
@@ -30,12 +29,5 @@ PCL_SLIM_EXPORT void contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar)
 
 /** \brief Sets the size of a bar's letters in pixels; 13 unless set. */
 PCL_SLIM_EXPORT void setLetters(vtkScalarBarActor* bar, int pixels);
-
-/** \brief The clay of pcl_slim_render's pictures: colour and highlight. */
-PCL_SLIM_EXPORT void setClayLook(vtkProperty* property);
-
-/** \brief Lights of pcl_slim_render's pictures, which move with the camera: one at the viewer and a
- * key light from the upper left. Replaces the renderer's lights. */
-PCL_SLIM_EXPORT void setStudioLights(vtkRenderer* renderer);
 
 }  // namespace pcl_slim
