@@ -5,6 +5,7 @@
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/render/shading.h"
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
 #include "scan/fit_job.h"
@@ -39,6 +40,9 @@ OptionTable declareOptions(Settings& s) {
       "shaded");
   table.number("range", &s.viewer.range, 0.0, 1e300, "curvature or error of full colour",
                "automatic");
+  table.text("unit", &s.viewer.unit, "NAME",
+             "unit of length that the scale and the readout name, such as mm");
+  table.toggle("lighting", &s.viewer.lighting, "light on the model; 0: bare colours");
   table.toggle("balls", &s.viewer.balls, "balls of the leaves, coloured by size");
   table.toggle("points", &s.viewer.points, "points of a scan, also once it is fitted");
   table.toggle("normals", &s.viewer.normals, "normals of leaves or splats");
@@ -73,6 +77,9 @@ Error finishSettings(Settings& s) {
   if (!s.screenshot.empty() && lowerExtension(s.screenshot) != ".png") {
     return {ErrorCode::kBadArgument, "the picture '" + s.screenshot + "' must be named .png"};
   }
+  ShadingParams named;
+  named.unit = s.viewer.unit;
+  if (Error error = named.validate()) return error;
   s.viewer.threads = s.fit.params.threads;
   s.viewer.title = s.input + " - " + kProgram;
   return {};

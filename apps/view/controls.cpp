@@ -69,7 +69,7 @@ const std::vector<std::pair<std::string, std::string>> kMouse{
     {"left", "turn (with Shift: move, with Ctrl: spin)"},
     {"middle", "move"},
     {"right, wheel", "nearer, farther"},
-    {"rest", "tells what lies under the mouse"}};
+    {"rest", "shows the values under the mouse"}};
 
 }  // namespace
 

@@ -190,6 +190,9 @@ void Scene::setMapper(GBufferMapper* mapper) {
   model_ = vtkSmartPointer<vtkActor>::New();
   model_->SetMapper(mapper_);
   setClayLook(model_->GetProperty());
+  model_->GetProperty()->SetLighting(lit_);
+  const BoundingSpheres object = spheres();
+  diagonal_ = object.scale * object.diagonal;
   add(model_);
   // Points of two pixels would cover the surface below them.
   if (points_) points_->GetProperty()->SetPointSize(1.0f);
@@ -199,6 +202,11 @@ void Scene::setPoints(const CloudView& points, const ColorView& colors) {
   points_ = makePoints(points, colors);
   add(points_);
   point_spheres_ = spheresOfPoints(points);
+}
+
+void Scene::setLighting(bool lit) {
+  lit_ = lit;
+  if (model_) model_->GetProperty()->SetLighting(lit);
 }
 
 GBufferMapper* Scene::mapper() const {
@@ -245,7 +253,7 @@ void Scene::updateBar() {
   if (bar_) renderer_->RemoveActor2D(bar_);
   bar_ = nullptr;
   if (!showsNumbers(mapper_->getMode())) return;
-  bar_ = makeScalarBar(*mapper_);
+  bar_ = makeScalarBar(*mapper_, unit_);
   contrastWith(renderer_, bar_);
   setLetters(bar_, letters_);
   renderer_->AddActor2D(bar_);

@@ -52,6 +52,14 @@ class Scene {
     return (splats_ && splats_->hasColors()) || (surface_ && surface_->hasColors());
   }
   vtkActor* model() const;
+  /** \brief The name of the unit of length, such as mm, for text and scale; empty: none. */
+  void setUnit(const std::string& unit) { unit_ = unit; }
+  const std::string& unit() const { return unit_; }
+  /** \brief The diagonal of the model's bounding box, world units. */
+  double diagonal() const { return diagonal_; }
+  /** \brief Whether the model is lit, now and later, or shown in bare colours. */
+  void setLighting(bool lit);
+
   /** \brief What cameras look at: the model, else the points. */
   BoundingSpheres spheres() const;
 
@@ -91,6 +99,9 @@ class Scene {
   vtkSmartPointer<vtkActor> model_, points_, balls_, normals_;
   vtkSmartPointer<vtkScalarBarActor> bar_;
   int letters_ = 13;  ///< pixels
+  std::string unit_;
+  double diagonal_ = 1.0;
+  bool lit_ = true;
 };
 
 /** \brief A box in a window whose sides and place the mouse drags by their handles: everything

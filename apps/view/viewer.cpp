@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <string>
 #include <utility>
@@ -20,10 +19,9 @@
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/scan/scan.h"
-#include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
-#include "pcl_slim/visualization/splat_mapper.h"
 #include "pcl_slim/visualization/studio.h"
+#include "view/readout.h"
 
 namespace pcl_slim {
 
@@ -64,58 +62,6 @@ void FitTask::run() {
 }
 
 namespace {
-
-template <typename... Values>
-std::string print(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
-
-std::string describePick(const SurfacePick& pick) {
-  return print("leaf %u  level %d  degree %d  ball radius %.4g  error %.3g  points %.0f\n",
-               pick.surfel, pick.level, pick.degree, pick.radius, pick.error,
-               pick.effective_count) +
-         print("mean %.4g  Gauss %.4g  k_max %.4g  k_min %.4g\n", pick.mean, pick.gauss, pick.k_max,
-               pick.k_min) +
-         print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", pick.position[0], pick.position[1],
-               pick.position[2], pick.normal[0], pick.normal[1], pick.normal[2]);
-}
-
-std::string describeSplat(const SplatSet& splats, std::size_t i) {
-  const std::uint32_t rgb = splats.rgb[i];
-  return print("splat %zu  radius %.4g  colour %u %u %u\n", i, double{splats.radius[i]},
-               (rgb >> 16) & 255, (rgb >> 8) & 255, rgb & 255) +
-         print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", splats.origin[0] + splats.x[i],
-               splats.origin[1] + splats.y[i], splats.origin[2] + splats.z[i], double{splats.nx[i]},
-               double{splats.ny[i]}, double{splats.nz[i]});
-}
-
-/** "5000 leaves, mean curvature within 12.3": the status line. */
-std::string describeScene(const Scene& scene) {
-  GBufferMapper* mapper = scene.mapper();
-  if (!mapper) return "h: help";
-  std::string text;
-  if (const SLIMMapper* surface = scene.surfaceMapper()) {
-    text = std::to_string(surface->getSurface()->numLeaves()) + " leaves";
-  } else {
-    text = std::to_string(static_cast<SplatMapper*>(mapper)->getSplats()->size()) + " splats";
-  }
-  text += "   " + titleOf(mapper->getMode());
-  if (takesRange(mapper->getMode())) text += print(" within %.4g", mapper->getRange());
-  return text + "   h: help";
-}
-
-/** The readout at the mouse: surfel, curvatures, error; empty outside of the model. */
-std::string describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y) {
-  if (SLIMMapper* surface = scene.surfaceMapper()) {
-    SurfacePick pick;
-    return surface->pick(renderer, scene.model(), x, y, pick) ? describePick(pick) : "";
-  }
-  GBuffer pixel;
-  if (!scene.mapper() || !scene.mapper()->castRay(renderer, scene.model(), x, y, pixel)) return "";
-  return describeSplat(*static_cast<SplatMapper*>(scene.mapper())->getSplats(), pixel.surfel[0]);
-}
 
 /** Moves a camera's focal point along its axis to the depth of an object's middle, so that the
  * object turns in its place. O(spheres). */
@@ -196,6 +142,8 @@ Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
       scene_(renderer_),
       overlay_(renderer_),
       cut_box_([this] { scene_.cut(cut_box_.sides()); }) {
+  scene_.setUnit(settings.unit);
+  scene_.setLighting(settings.lighting);
   setStudioBackground(renderer_);
   setStudioLights(renderer_);
   renderer_->UseFXAAOn();

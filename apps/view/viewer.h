@@ -61,9 +61,9 @@ class FitTask {
 /** \brief How a window begins. */
 struct ViewerSettings {
   std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto",
-                     lines = "none";
+                     lines = "none", unit;
   double range = 0.0, frame_budget = 50.0, lod = 0.0, line_width = LineStyle().width;
-  bool balls = false, points = false, normals = false, help = false;
+  bool balls = false, points = false, normals = false, help = false, lighting = true;
   int threads = 0;
   ViewRequest view;
   RegionRequest region;

@@ -31,12 +31,6 @@ void setTextLook(vtkTextProperty* text, int size, bool bold) {
   text->SetShadow(false);
 }
 
-std::string unitOf(DisplayMode mode, const std::string& unit) {
-  if (mode == DisplayMode::kSize || mode == DisplayMode::kError) return unit;
-  if (!showsCurvature(mode)) return "";
-  return "1/" + (unit.empty() ? "length" : unit) + (mode == DisplayMode::kGauss ? "^2" : "");
-}
-
 /** \brief A number in the middle of each level's colour, at most ten of them. */
 std::vector<double> levelTicks(const double* range) {
   const int first = static_cast<int>(std::lround(range[0] + 0.5));
@@ -99,6 +93,12 @@ std::string titleOf(DisplayMode mode) {
     case DisplayMode::kColor: return "colour";
     default: return nameOf(mode);
   }
+}
+
+std::string unitOf(DisplayMode mode, const std::string& length) {
+  if (mode == DisplayMode::kSize || mode == DisplayMode::kError) return length;
+  if (!showsCurvature(mode)) return "";
+  return "1/" + (length.empty() ? "length" : length) + (mode == DisplayMode::kGauss ? "²" : "");
 }
 
 vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper, const std::string& unit) {

@@ -18,6 +18,10 @@ class GBufferMapper;
 /** \brief "mean curvature", "radius" ...: the quantity of a mode's colours. */
 PCL_SLIM_EXPORT std::string titleOf(DisplayMode mode);
 
+/** \brief The unit of a mode's numbers: "1/mm", "mm"; empty for what has none. \param[in] length
+ * name of the unit of length; empty: curvatures are in "1/length", lengths have no unit. */
+PCL_SLIM_EXPORT std::string unitOf(DisplayMode mode, const std::string& length);
+
 /** \brief A scalar bar of a mapper's colours at the right of the window, with title, unit and round
  * numbers. It follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
  * nothing. */
