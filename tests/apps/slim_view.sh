@@ -12,7 +12,7 @@ program=pcl_slim_view
 "$bin/pcl_slim_fit" scan.pcd surface.slim > out.txt
 "$bin/pcl_color_splat_sampling" scan.pcd splats.pcd > out.txt 2> err.txt || true
 
-# Mistakes are told before a window is opened.
+# Mistakes are reported before a window is opened.
 unset DISPLAY
 expect 2 'missing.slim' missing.slim
 expect 2 'missing.pcd' missing.pcd
@@ -23,6 +23,7 @@ expect 2 'mode' surface.slim -mode shiny
 expect 2 'lines' surface.slim -lines wavy
 expect 2 'lod' surface.slim -lod -1
 expect 2 'named .png' surface.slim -screenshot x.jpg
+expect 2 'lower-case letters' surface.slim -unit 1/mm
 expect 2 'size' surface.slim -size 80
 expect 2 'lowest and the highest corner' surface.slim -region 1,2,3
 expect 2 'give a part of' surface.slim -region 7,7,7,8,8,8
@@ -51,6 +52,8 @@ shot shaded.png surface.slim
 shot again.png surface.slim -threads 1
 shot mean.png surface.slim -mode mean
 shot error.png surface.slim -mode error
+shot unit.png surface.slim -mode mean -unit mm
+shot bare.png surface.slim -lighting 0
 shot card.png surface.slim -backend opengl
 shot balls.png surface.slim -balls 1
 shot lines.png surface.slim -lines contour -line_width 3
@@ -75,6 +78,7 @@ same shaded.png again.png
 [ -s card.png ] && [ "$(wc -c < card.png)" -gt 2000 ] || complain "the card's picture is empty"
 # The scan is fitted as pcl_slim_fit does it.
 same shaded.png scan.png
-for other in mean error balls lines sketch lod top parallel part; do differ shaded.png $other.png; done
+differ mean.png unit.png
+for other in bare mean error balls lines sketch lod top parallel part; do differ shaded.png $other.png; done
 [ ! -s splats.pcd ] || differ color.png normal.png
 finish

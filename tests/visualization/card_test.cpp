@@ -12,22 +12,6 @@
 namespace pcl_slim::test {
 namespace {
 
-/** \brief Leaves that differ in size, level and residual, and whose curvatures vary. */
-std::shared_ptr<SLIMSurface> unevenSphere(int degree) {
-  auto surface = std::make_shared<SLIMSurface>(sphereSurface(degree, 0.25, 600, 0.09));
-  const auto stride = static_cast<std::size_t>(surface->stride());
-  for (std::size_t i = 0; i < surface->size(); ++i) {
-    surface->radius[i] *= 1.0f + 0.1f * static_cast<float>(i % 3);
-    surface->error[i] = 1e-5f * static_cast<float>(i % 7);
-    float* c = surface->coefficients.data() + i * stride;
-    for (std::size_t k = 1; k < stride; ++k) {
-      // Cubics and quartics that turn within a ball have several roots on a ray.
-      c[k] += (k < 6 ? 0.004f : 0.03f) * std::sin(static_cast<float>(7 * i + 3 * k));
-    }
-  }
-  return surface;
-}
-
 class CardDegrees : public CardTest, public ::testing::WithParamInterface<int> {};
 
 TEST_P(CardDegrees, EveryModeIsThatOfTheCpu) {

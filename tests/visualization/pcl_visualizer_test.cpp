@@ -131,6 +131,9 @@ TEST_F(PCLVisualizerTest, SplatsOfACloud) {
   EXPECT_EQ(splatsFrom(cloud).size(), 1u);
   ASSERT_TRUE(addSplats(viewer, cloud, "discs"));
   EXPECT_FALSE(addSplats(viewer, cloud, "discs"));
+  // Facing the viewer, it has most of the light.
+  EXPECT_GT(pixelOf(picture(), 80, 60)[2], 230);
+  vtkActor::SafeDownCast(viewer.getShapeActorMap()->at("discs"))->GetProperty()->LightingOff();
   EXPECT_EQ(pixelOf(picture(), 80, 60), (std::array<int, 3>{0, 0, 255}));
   cloud[0].rgba = 0xff00ff00u;
   ASSERT_TRUE(updateSplats(viewer, cloud, "discs"));

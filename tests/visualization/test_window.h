@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <vector>
@@ -68,6 +69,22 @@ inline double shareDrawn(const Image& image) {
 inline std::shared_ptr<SLIMSurface> smallSphere(double radius = 0.25,
                                                 std::array<double, 3> center = {0.0, 0.0, 0.0}) {
   return std::make_shared<SLIMSurface>(sphereSurface(4, radius, 600, 0.36 * radius, center));
+}
+
+/** \brief Leaves that differ in size, level and residual, and whose curvatures vary. */
+inline std::shared_ptr<SLIMSurface> unevenSphere(int degree) {
+  auto surface = std::make_shared<SLIMSurface>(sphereSurface(degree, 0.25, 600, 0.09));
+  const auto stride = static_cast<std::size_t>(surface->stride());
+  for (std::size_t i = 0; i < surface->size(); ++i) {
+    surface->radius[i] *= 1.0f + 0.1f * static_cast<float>(i % 3);
+    surface->error[i] = 1e-5f * static_cast<float>(i % 7);
+    float* c = surface->coefficients.data() + i * stride;
+    for (std::size_t k = 1; k < stride; ++k) {
+      // Cubics and quartics that turn within a ball have several roots on a ray.
+      c[k] += (k < 6 ? 0.004f : 0.03f) * std::sin(static_cast<float>(7 * i + 3 * k));
+    }
+  }
+  return surface;
 }
 
 /** \brief A white window of 160 x 120 pixels that a test can draw in, seen from (0, 0, 1.2). */

@@ -50,6 +50,8 @@ bool showsNumbers(DisplayMode mode) {
 
 namespace pcl_slim::detail {
 
+constexpr double kAlike = 1e-3;  ///< share of a size that their table then reaches to both sides
+
 void fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTable& table) {
   if (!showsNumbers(mode)) return;
   const bool levels = mode == DisplayMode::kLevel;
@@ -57,9 +59,12 @@ void fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLoo
   const int count = levels ? static_cast<int>(std::lround(range[1])) - first + 1 : 256;
   table.SetNumberOfTableValues(count);
   table.SetScaleToLinear();
+  // Sizes that are all alike have the colour of the middle.
+  const bool alike = mode == DisplayMode::kSize && !(range[0] < range[1]);
+  const double aside = alike ? kAlike * range[0] : 0.0;
   // A level's colour fills the table from half a level below it to half a level above.
   const double half = levels ? 0.5 : 0.0;
-  table.SetTableRange(range[0] - half, range[1] + half);
+  table.SetTableRange(range[0] - half - aside, range[1] + half + aside);
   // Last, as a table by the logarithm refuses the signed range it may have had before.
   if (mode == DisplayMode::kSize) table.SetScaleToLog10();
   for (int i = 0; i < count; ++i) {

@@ -59,14 +59,19 @@ class RoundScalarBar : public vtkScalarBarActor {
   }
 
  private:
+  std::vector<double> numberTicks(const double* range) const {
+    constexpr double kAlike = 3e-3;  // share of a number within which one is enough
+    const double middle = 0.5 * (range[0] + range[1]);
+    if (range[1] - range[0] < kAlike * std::abs(middle)) return {middle};
+    return roundTicks(range[0], range[1], mode_ == DisplayMode::kSize);
+  }
+
   void setTicks() {
     const double* range = GetLookupTable()->GetRange();
     if (GetUseCustomLabels() && range[0] == range_[0] && range[1] == range_[1]) return;
     range_ = {range[0], range[1]};
     vtkNew<vtkDoubleArray> labels;
-    const auto ticks = mode_ == DisplayMode::kLevel
-                           ? levelTicks(range)
-                           : roundTicks(range[0], range[1], mode_ == DisplayMode::kSize);
+    const auto ticks = mode_ == DisplayMode::kLevel ? levelTicks(range) : numberTicks(range);
     for (const double tick : ticks) labels->InsertNextValue(tick);
     SetCustomLabels(labels);
     UseCustomLabelsOn();

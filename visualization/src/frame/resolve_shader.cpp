@@ -196,9 +196,7 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
 // The pictures' light in place of what VTK's lights have given; normals, stripes and paper have none of either.
 constexpr const char* kFinish = R"(
   vec3 slimInCamera = normalVCVSOutput * vec3(1.0, 1.0, -1.0), slimAway = slimRay * vec3(1.0, 1.0, -1.0);
-  if (slimMode == 1 || (slimStudio != 0 && slimIsLit == 0)) {
-    gl_FragData[0] = vec4(slimBase, opacity);
-  } else if (slimMode == 8) {
+  if (slimMode == 8) {
     // Four places of the pixel, as a picture has rays: stripes are fine where the surface bends.
     float phase = slimPhase(slimInCamera, slimAway);
     vec2 quarter = 0.25 * vec2(dFdx(phase), dFdy(phase));
@@ -208,6 +206,8 @@ constexpr const char* kFinish = R"(
     gl_FragData[0] = vec4(slimEncoded(0.25 * light), opacity);
   } else if (slimMode == 11) {
     gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);
+  } else if (slimMode == 1 || (slimStudio != 0 && slimIsLit == 0)) {
+    gl_FragData[0] = vec4(slimBase, opacity);
   } else if (slimStudio != 0) {
     float pixel = 2.0 * slimPlane.z / (slimTexels.y * slimViewport.w) * (slimDepth.x > 0.0 ? 1.0 : slimT);
     float dim = 1.0;

@@ -20,6 +20,7 @@
 
 #include "color/color_scale.h"
 #include "frame/frame.h"
+#include "opengl/card_rasterizer.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/render/shading.h"
 
@@ -421,7 +422,9 @@ void GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRen
   vtkShaderProgram* program = primitive.Program;
   std::array<float, 3> color{};
   std::copy_n(actor->GetProperty()->GetDiffuseColor(), 3, color.begin());
-  const bool shaded = s.frame.coarseness() == 1 && !isInteracting(renderer);
+  // A processor takes half as long again for the shade in hollows.
+  const bool hurry = CardRasterizer::isSoftware() && isInteracting(renderer);
+  const bool shaded = s.frame.coarseness() == 1 && !hurry;
   program->SetUniformi("slimStudio", s.light == ObjectLight::kStudio);
   program->SetUniformi("slimIsLit", actor->GetProperty()->GetLighting());
   program->SetUniform3f("slimActorColor", color.data());

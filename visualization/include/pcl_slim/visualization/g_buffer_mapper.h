@@ -102,8 +102,8 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   void setLight(ObjectLight light);
   ObjectLight getLight() const;
 
-  /** \brief Strength of the studio's shade in hollows, 0 to 1 (.6). Frames with a ray for every
-   * pixel have it. */
+  /** \brief Strength of the studio's shade in hollows, 0 to 1 (.6). Frames with a ray for every pixel
+   * have it; where a processor does the work of the graphics card, frames at rest alone. */
   void setAmbientOcclusion(double strength);
   double getAmbientOcclusion() const;
 
