@@ -22,7 +22,7 @@ vec3 slimEncoded(vec3 light)
 
 const char* const kLight = R"(
 // Everything in the camera's axes, right, up, forward, and in linear light. Coded: the colour encodes something.
-vec3 slimLit(vec3 base, bool coded, vec3 normal, vec3 ray, float dim)
+vec3 slimLitColor(vec3 base, bool coded, vec3 normal, vec3 ray, float dim)
 {
   vec3 key = normalize(kKeyLight);
   float lit = max(0.0, dot(normal, key));

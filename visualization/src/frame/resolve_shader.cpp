@@ -215,7 +215,7 @@ constexpr const char* kFinish = R"(
       vec3 place = slimPlace(slimLow, abs(slimHit.w));
       dim -= slimHollows * (1.0 - slimOpen(slimLow, place, slimInCamera, pixel));
     }
-    vec3 light = slimLit(slimLinear(slimBase), slimMode > 0, slimInCamera, slimAway, dim);
+    vec3 light = slimLitColor(slimLinear(slimBase), slimMode > 0, slimInCamera, slimAway, dim);
     gl_FragData[0] = vec4(slimEncoded(light), opacity);
   }
   if (slimLine.a > 0.0) {
