@@ -37,7 +37,7 @@ std::vector<Key> makeTable() {
       {"bracketright", Command::kWiderRange, "]  [",
        "wider, narrower range of curvatures or errors"},
       {"bracketleft", Command::kNarrowerRange, "[", ""},
-      {"a", Command::kAutomaticRange, "a", "automatic range"},
+      {"a", Command::kAutomaticRange, "a", "automatic range, of what is seen now"},
       {"s", Command::kModel, "s", "surface or splats on, off"},
       {"p", Command::kPoints, "p", "points of the scan on, off"},
       {"b", Command::kBalls, "b", "balls of the leaves by size on, off"},

@@ -11,7 +11,7 @@ namespace pcl_slim {
 
 /** \brief What the colours of a surface or of splats show in a window. */
 enum class DisplayMode : unsigned char {
-  kShaded,      ///< the actor's own colour under the renderer's lights
+  kShaded,      ///< the actor's own colour, lit
   kNormal,      ///< rgb = n / 2 + 1/2, world axes, without light
   kMean,        ///< mean curvature, 1/length, positive on a ball
   kGauss,       ///< Gaussian curvature, 1/length^2
@@ -20,7 +20,7 @@ enum class DisplayMode : unsigned char {
   kLevel,       ///< level of the leaf of the largest weight, one colour each
   kSize,        ///< its radius, small red to large blue, by the logarithm
   kReflection,  ///< stripes of light far away as the surface mirrors them
-  kColor,       ///< colours of splats or of a coloured surface
+  kColor,       ///< colours of splats or of a coloured surface, lit
   kError,       ///< root mean square residual of the leaf of the largest weight, dark to light
   kSketch,      ///< white paper for lines (SLIMMapper::setLines)
 };

@@ -59,8 +59,9 @@ struct FrameRequest {
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
  * the graphics card, and a full-viewport pass resolves the result inside VTK's own fragment shader.
  *
- * VTK's lights, vtkProperty (colour, opacity, highlights), the actor's place, depth composition
- * with other actors, depth peeling and hardware picking therefore work as with triangles. The
+ * VTK's lights (or, by setLight(), the pictures'), vtkProperty (colour, opacity, highlights), the
+ * actor's place, depth composition with other actors, depth peeling and hardware picking therefore
+ * work as with triangles. The
  * actor's matrix may turn, move and scale alike in all directions; with any other matrix nothing is
  * drawn and getError() reports it. Of a translucent object the front sheet is drawn.
  *
