@@ -146,7 +146,7 @@ vec3 slimShade(ivec2 at, vec4 hit)
   base = slimLinear(base);
   if (slimLit == 0) return base;
   float pixel = slimScreen.x * (slimScreen.w > 0.0 ? 1.0 : abs(hit.w));
-  float dim = slimHollows > 0.0 ? 1.0 - slimHollows * (1.0 - slimOpen(at, place, normal, pixel)) : 1.0;
+  float dim = slimHollows > 0.0 ? 1.0 - slimHollows * (1.0 - slimOpen(at, 1, place, normal, pixel)) : 1.0;
   return slimLitColor(base, slimMode > 0, normal, ray, dim);
 }
 

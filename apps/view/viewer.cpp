@@ -209,13 +209,48 @@ Error Viewer::runFit(FitTask& task) {
 Error Viewer::saveScreenshot(const std::string& path) {
   // Nobody reads in a picture which keys there are.
   overlay_.setStatus("");
-  render();
-  return savePicture(window_, path);
+  return saveFinePicture(path);
 }
 
 void Viewer::render() {
   renderer_->ResetCameraClippingRange();
   window_->Render();
+}
+
+/** \brief Draws as a picture is drawn: several rays a pixel. The frame is kept until something moves.
+ */
+void Viewer::renderFine() {
+  constexpr int kRays = 2;  // along each axis, as in pictures
+  GBufferMapper* mapper = scene_.mapper();
+  if (mapper) mapper->setSupersampling(kRays);
+  render();
+  if (mapper) mapper->setSupersampling(1);
+}
+
+/** \brief Saves what the window shows, finely drawn. */
+Error Viewer::saveFinePicture(const std::string& path) {
+  // The model's own rays smooth its edges, which a filter would only blur.
+  const bool smooth = !scene_.pointsShown() && !scene_.ballsShown() && !scene_.normalsShown();
+  renderer_->SetUseFXAA(!smooth);
+  renderFine();
+  const Error error = savePicture(window_, path);
+  renderer_->UseFXAAOn();
+  return error;
+}
+
+/** \brief Draws finely once nothing has moved for a while, if that does not keep the user waiting. */
+void Viewer::refineAtRest() {
+  constexpr int kTicks = 3;          // of 100 ms
+  constexpr double kPatience = 0.3;  // seconds, of four rays a pixel
+  const GBufferMapper* mapper = scene_.mapper();
+  if (!mapper || !scene_.modelShown()) return;
+  const FrameStatistics& last = mapper->getStatistics();
+  if (last.rasterized != frames_at_tick_) {
+    frames_at_tick_ = last.rasterized;
+    ticks_at_rest_ = 0;
+  }
+  if (++ticks_at_rest_ != kTicks || last.supersampling > 1) return;
+  if (4.0 * last.rasterize_seconds <= kPatience) renderFine();
 }
 
 void Viewer::resetCamera() {
@@ -291,7 +326,9 @@ void Viewer::onTimer() {
     return;
   }
   auto* style = vtkInteractorStyle::SafeDownCast(interactor_->GetInteractorStyle());
-  if (mouse_rests_ || style->GetState() != VTKIS_NONE) return;
+  if (style->GetState() != VTKIS_NONE) return;
+  refineAtRest();
+  if (mouse_rests_) return;
   mouse_rests_ = true;
   readUnderMouse();
 }

@@ -5,6 +5,7 @@
 #include <vtkSmartPointer.h>
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -117,6 +118,9 @@ class Viewer {
   void readUnderMouse();
   void makeRoomForBar();
   void fitRanges();
+  void renderFine();
+  Error saveFinePicture(const std::string& path);
+  void refineAtRest();
   void updateStatus();
   void takeFit();
 
@@ -132,7 +136,9 @@ class Viewer {
   std::string message_;         ///< shown once in the status line
   std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's
   bool ranges_fitted_ = false;  ///< to what the camera saw when numbers were first shown
-  bool mouse_rests_ = true;     ///< the mouse has not moved since the last readout
+  int ticks_at_rest_ = 0;       ///< of the timer, since rays were last intersected
+  std::uint64_t frames_at_tick_ = 0;
+  bool mouse_rests_ = true;  ///< the mouse has not moved since the last readout
 };
 
 /** \brief Saves a window that has been drawn as a PNG file. */

@@ -211,7 +211,7 @@ void Viewer::focusUnderMouse() {
 
 void Viewer::screenshotByKey() {
   const std::string path = freePictureName();
-  const Error error = savePicture(window_, path);
+  const Error error = saveFinePicture(path);
   message_ = error ? error.message : "saved " + path;
 }
 

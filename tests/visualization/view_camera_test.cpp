@@ -44,7 +44,7 @@ std::array<double, 2> project(const GLView& view, const Vector3& point) {
 
 TEST(ViewCameraTest, RaysPassThroughThePixelsOpenGLPutsTheirPointsIn) {
   for (const bool parallel : {false, true}) {
-    for (const int coarseness : {1, 2, 4}) {
+    for (const double coarseness : {1.0, 2.0, 4.0, 0.5}) {
       const GLView view = testView(parallel);
       ViewCamera result;
       ASSERT_FALSE(translateView(view, 0.5, coarseness, result));

@@ -250,49 +250,49 @@ bool FrameKey::operator==(const FrameKey& other) const {
          colored == other.colored && object == other.object;
 }
 
-bool CachedFrame::holds(const FrameKey& key, int coarseness) const {
-  return valid_ && key == key_ && coarseness_ <= coarseness && (key_.close_gaps || !key.close_gaps);
+bool CachedFrame::holds(const FrameKey& key, double spacing) const {
+  return valid_ && key == key_ && spacing_ <= spacing && (key_.close_gaps || !key.close_gaps);
 }
 
 /** \brief Converts a request to a camera whose rays are several pixels apart. */
-Error CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request) {
+Error CachedFrame::begin(const VtkView& view, double spacing, FrameRequest& request) {
   valid_ = false;
-  if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
+  if (Error error = translateView(view.gl, view.near_distance, spacing, view_)) return error;
   request.near_plane = view_.near_plane;
-  request.lod /= coarseness;
+  request.lod /= spacing;
   // A frame that has to hurry shows nothing that falls between its rays.
-  if (coarseness > 1) request.lod = std::max(request.lod, 1.0);
+  if (spacing > 1.0) request.lod = std::max(request.lod, 1.0);
   return {};
 }
 
-Error CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
+Error CachedFrame::make(const VtkView& view, FrameKey key, double spacing, FrameRequest request,
                         double scale, const Rasterize& rasterize) {
   const Clock::time_point start = Clock::now();
-  if (Error error = begin(view, coarseness, request)) return error;
+  if (Error error = begin(view, spacing, request)) return error;
   if (Error error = rasterize(view_.camera, request, buffer_)) return error;
   packFrame(buffer_, scale, resolveThreads(request.threads), packed_);
   rectangle_ = coveredRectangle(buffer_);
   covered_ = buffer_.numCovered();
-  finish(std::move(key), coarseness, start);
+  finish(std::move(key), spacing, start);
   return {};
 }
 
-Error CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness,
+Error CachedFrame::makeOnCard(const VtkView& view, FrameKey key, double spacing,
                               FrameRequest request, const DrawOnCard& draw) {
   const Clock::time_point start = Clock::now();
-  if (Error error = begin(view, coarseness, request)) return error;
+  if (Error error = begin(view, spacing, request)) return error;
   if (Error error = draw(view_, request, covered_)) return error;
   rectangle_ = {-1.0f, -1.0f, 1.0f, 1.0f};
-  finish(std::move(key), coarseness, start);
+  finish(std::move(key), spacing, start);
   return {};
 }
 
-void CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point start) {
+void CachedFrame::finish(FrameKey key, double spacing, Clock::time_point start) {
   key_ = std::move(key);
-  coarseness_ = coarseness;
+  spacing_ = spacing;
   valid_ = true;
   seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
-  full_seconds_ = seconds_ * coarseness * coarseness;
+  full_seconds_ = seconds_ * spacing * spacing;
 }
 
 void CachedFrame::clear() {

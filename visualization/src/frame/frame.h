@@ -58,10 +58,10 @@ struct ViewCamera {
 };
 
 /** \brief Translates a view. \param[in] near_distance view-space distance of the near plane, of a
- * parallel view also below 0; \param[in] coarseness viewport pixels from one ray to the next, a
- * whole number >= 1.
+ * parallel view also below 0; \param[in] spacing viewport pixels from one ray to the next: a
+ * whole number, or 1 over one.
  * \return an error for a matrix with shear, mirror or unequal scales, which no camera has. */
-Error translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result);
+Error translateView(const GLView& view, double near_distance, double spacing, ViewCamera& result);
 
 /** \brief The camera of the one ray through pixel (column, row) of another, rows from the top. */
 Camera cameraOfPixel(const Camera& camera, double column, double row);
@@ -170,16 +170,16 @@ class CachedFrame {
   using DrawOnCard = std::function<Error(const ViewCamera&, const FrameRequest&, std::uint64_t&)>;
 
   /** \brief Whether a frame at least as fine is there. */
-  bool holds(const FrameKey& key, int coarseness) const;
+  bool holds(const FrameKey& key, double spacing) const;
 
   /** \brief Makes a frame. \param[in] request near_plane is filled in here, and lod is brought to
    * the rays' distance; \param[in] scale of the lengths that rasterize writes. After an error there
    * is none. */
-  Error make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request, double scale,
+  Error make(const VtkView& view, FrameKey key, double spacing, FrameRequest request, double scale,
              const Rasterize& rasterize);
 
   /** \brief Makes a frame that stays on the graphics card: packed() is of no use then. */
-  Error makeOnCard(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
+  Error makeOnCard(const VtkView& view, FrameKey key, double spacing, FrameRequest request,
                    const DrawOnCard& draw);
 
   /** \brief Forgets the frame and how long it took. */
@@ -194,7 +194,8 @@ class CachedFrame {
   const PackedFrame& packed() const { return packed_; }
   int width() const { return buffer_.width; }
   int height() const { return buffer_.height; }
-  int coarseness() const { return coarseness_; }
+  /** \brief The distance of its rays [pixels]. */
+  double spacing() const { return spacing_; }
   double seconds() const { return seconds_; }
   std::uint64_t coveredPixels() const { return covered_; }
   /** \brief Left, bottom, right, top of all covered pixels, normalised device coordinates. */
@@ -203,12 +204,12 @@ class CachedFrame {
  private:
   using Clock = std::chrono::steady_clock;
 
-  Error begin(const VtkView& view, int coarseness, FrameRequest& request);
-  void finish(FrameKey key, int coarseness, Clock::time_point start);
+  Error begin(const VtkView& view, double spacing, FrameRequest& request);
+  void finish(FrameKey key, double spacing, Clock::time_point start);
 
   bool valid_ = false;
   FrameKey key_;
-  int coarseness_ = 1;
+  double spacing_ = 1.0;
   double seconds_ = 0.0;       ///< what the frame took
   double full_seconds_ = 0.0;  ///< about what a frame with a ray for every pixel takes
   std::uint64_t covered_ = 0;

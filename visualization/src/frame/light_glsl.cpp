@@ -49,17 +49,18 @@ vec3 slimStripe(float phase)
 // Where a ray of a frame has got to at a depth along it, in the camera's axes.
 vec3 slimPlace(ivec2 at, float depth);
 
-// How open the half space over a pixel is: neighbours on a spiral. pixel: length of one at that depth.
-float slimOpen(ivec2 at, vec3 place, vec3 normal, float pixel)
+// How open the half space over a pixel is: neighbours on a spiral. rays: of a pixel along each axis; pixel:
+// its length at that depth.
+float slimOpen(ivec2 at, int rays, vec3 place, vec3 normal, float pixel)
 {
-  ivec2 size = textureSize(slimGeometry, 0);
-  float pixels = max(2.0, kHollowReach * float(min(size.x, size.y))), reach = pixels * pixel;
-  int pattern = (at.y & 3) * 4 + (at.x & 3);
+  ivec2 size = textureSize(slimGeometry, 0), own = at / rays;
+  float pixels = max(2.0, kHollowReach * float(min(size.x, size.y) / rays)), reach = pixels * pixel;
+  int pattern = (own.y & 3) * 4 + (own.x & 3);
   float turn = 6.28318531 * float((pattern * 7) % 16) / 16.0, hidden = 0.0;
   for (int i = 0; i < int(kHollowSamples); ++i) {
     float r = max(1.0, pixels * sqrt((float(i) + 0.5) / kHollowSamples));
     float angle = turn + kGoldenAngle * float(i);
-    ivec2 to = at + ivec2(round(r * vec2(cos(angle), sin(angle))));
+    ivec2 to = at + rays * ivec2(round(r * vec2(cos(angle), sin(angle))));
     if (to.x < 0 || to.y < 0 || to.x >= size.x || to.y >= size.y) continue;
     float depth = texelFetch(slimGeometry, to, 0).w;
     if (depth == 0.0) continue;

@@ -45,9 +45,30 @@ uniform int slimNumCuts;
 uniform vec4 slimCuts[6];       // clipping planes in view coordinates
 
 // Which texels a pixel reads, and how much of each: the one around it where every pixel has a
-// ray, otherwise those of the four rays around it that met one sheet.
+// ray, the nearest of its own where it has several, otherwise those of the four rays around it that
+// met one sheet.
 ivec2 slimLow, slimHigh;
 vec4 slimWeights;
+ivec2 slimFirst;  // of a pixel's own texels
+
+// Rays that a pixel has along each axis; 0 or 1: not more than one.
+int slimRays() { return int(slimTexels.y + 0.5); }
+
+void slimChooseNearest(vec2 at)
+{
+  ivec2 last = textureSize(slimGeometry, 0) - 1;
+  slimFirst = ivec2(floor(at - 0.5 * slimTexels + 0.25));
+  float nearest = 0.0;
+  for (int y = 0; y < slimRays(); ++y) {
+    for (int x = 0; x < slimRays(); ++x) {
+      ivec2 texel = clamp(slimFirst + ivec2(x, y), ivec2(0), last);
+      float depth = abs(texelFetch(slimGeometry, texel, 0).w);
+      if (depth == 0.0 || (nearest > 0.0 && nearest <= depth)) continue;
+      nearest = depth;
+      slimLow = slimHigh = texel;
+    }
+  }
+}
 
 vec4 slimFetch(sampler2D source)
 {
@@ -74,6 +95,7 @@ void slimChoose(vec2 at)
   ivec2 last = textureSize(slimGeometry, 0) - 1;
   slimWeights = vec4(1.0, 0.0, 0.0, 0.0);
   slimLow = slimHigh = clamp(ivec2(floor(at)), ivec2(0), last);
+  if (slimRays() > 1) slimChooseNearest(at);
   if (slimTexels.y > 0.99) return;
   vec2 corner = floor(at - 0.5), f = at - 0.5 - corner;
   slimLow = clamp(ivec2(corner), ivec2(0), last);
@@ -133,13 +155,79 @@ vec2 slimOnPlane(vec2 texel)
 }
 )";
 
-// Of the light's functions, in the camera's axes.
-constexpr const char* kPlace = R"(
+// Of the light's functions, in the camera's axes; then what the texels that are chosen show.
+constexpr const char* kShading = R"(
 vec3 slimPlace(ivec2 at, float depth)
 {
   vec2 plane = slimOnPlane(vec2(at) + 0.5);
   float length = depth * slimDepth.z;
   return slimDepth.x > 0.0 ? vec3(plane, slimDepth.y + length) : length * normalize(vec3(plane, 1.0));
+}
+
+vec3 slimNumberColor()
+{
+  bool whole = slimMode == 6 || slimMode == 10;
+  float value = slimValue(whole ? slimFetchLargest(slimAttributes) : slimFetch(slimAttributes));
+  if (slimRange.z > 0.0) value = log(max(value, 1e-30));
+  float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0);
+  float n = float(textureSize(slimTable, 0).x);
+  // Each level has a texel of its own; all other tables are interpolated.
+  float u = slimMode == 6 ? (floor(min(x * n, n - 1.0)) + 0.5) / n : (x * (n - 1.0) + 0.5) / n;
+  return texture(slimTable, vec2(u, 0.5)).rgb;
+}
+
+// plain: the object's own colour
+vec3 slimBaseOf(vec4 hit, vec3 plain)
+{
+  if (slimMode == 0) return hit.w < 0.0 ? kClayBack : plain;
+  if (slimMode == 1) return 0.5 * hit.xyz / length(hit.xyz) + 0.5;
+  if (slimMode == 8 || slimMode == 11) return plain;
+  if (slimMode != 9) return slimNumberColor();
+  vec4 weighted = slimFetch(slimColors);  // by 1, but for those that the graphics card adds up
+  return weighted.rgb / max(weighted.a, 1e-30);
+}
+
+// Linear light under the pictures' light; normal and ray in the camera's axes.
+vec3 slimLightOf(vec4 hit, vec3 base, vec3 normal, vec3 ray)
+{
+  if (slimMode == 1 || slimIsLit == 0) return slimLinear(base);
+  float dim = 1.0;
+  if (slimHollows > 0.0) {
+    int rays = max(1, slimRays());
+    float at_unit_depth = 2.0 * slimPlane.z * float(rays) / (slimTexels.y * slimViewport.w);
+    float pixel = at_unit_depth * (slimDepth.x > 0.0 ? 1.0 : abs(hit.w) * slimDepth.z);
+    dim -= slimHollows * (1.0 - slimOpen(slimLow, rays, slimPlace(slimLow, abs(hit.w)), normal, pixel));
+  }
+  return slimLitColor(slimLinear(base), slimMode > 0, normal, ray, dim);
+}
+
+// Stripes at four places of a pixel, as a picture has rays: they are fine where the surface bends.
+vec3 slimStripesAbout(float phase)
+{
+  vec2 quarter = 0.25 * vec2(dFdx(phase), dFdy(phase));
+  float up = quarter.x + quarter.y, down = quarter.x - quarter.y;
+  return 0.25 * (slimStripe(phase + up) + slimStripe(phase - up) + slimStripe(phase + down) +
+                 slimStripe(phase - down));
+}
+
+// The mean of a pixel's rays, and the share of them that met something.
+vec4 slimMeanOfRays()
+{
+  ivec2 last = textureSize(slimGeometry, 0) - 1;
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < slimRays(); ++y) {
+    for (int x = 0; x < slimRays(); ++x) {
+      slimLow = clamp(slimFirst + ivec2(x, y), ivec2(0), last);
+      vec4 hit = slimFetch(slimGeometry);
+      if (hit.w == 0.0) continue;
+      vec3 normal = normalize(slimRotation * hit.xyz + vec3(0.0, 0.0, 1e-30)) * vec3(1.0, 1.0, -1.0);
+      vec3 ray = slimDepth.x > 0.0 ? vec3(0.0, 0.0, 1.0) : normalize(slimPlace(slimLow, 1.0));
+      vec3 light = slimMode == 8 ? slimStripe(slimPhase(normal, ray))
+                                 : slimLightOf(hit, slimBaseOf(hit, slimActorColor), normal, ray);
+      sum += vec4(light, 1.0);
+    }
+  }
+  return vec4(sum.rgb / max(sum.a, 1.0), sum.a / float(slimRays() * slimRays()));
 }
 )";
 
@@ -151,7 +239,7 @@ constexpr const char* kPosition = R"(
   vec4 slimLine = slimLineAt();
   bool slimOff = slimHit.w == 0.0 && slimLine.a >= 0.5;
   if (slimOff) slimHit = slimBeside();
-  vec2 slimXY = slimOnPlane(slimAt);
+  vec2 slimXY = slimOnPlane(slimRays() > 1 ? vec2(slimLow) + 0.5 : slimAt);
   float slimT = abs(slimHit.w) * slimDepth.z;
   vec3 slimRay = slimDepth.x > 0.0 ? vec3(0.0, 0.0, -1.0) : normalize(vec3(slimXY, -1.0));
   vec4 vertexVC = slimDepth.x > 0.0 ? vec4(slimXY, -slimDepth.y - slimT, 1.0)
@@ -170,23 +258,8 @@ constexpr const char* kDepth = R"(
 
 // The renderer's lights leave colours that encode something most of their brightness, as the studio's do.
 constexpr const char* kColor = R"(//VTK::Color::Impl
-  vec3 slimBase = slimStudio != 0 ? slimActorColor : diffuseColor;
-  if (slimMode == 0 && slimHit.w < 0.0) slimBase = diffuseColor = kClayBack;
-  if (slimMode == 1) slimBase = 0.5 * slimHit.xyz / length(slimHit.xyz) + 0.5;
-  if ((slimMode >= 2 && slimMode <= 7) || slimMode == 10) {
-    bool whole = slimMode == 6 || slimMode == 10;
-    float value = slimValue(whole ? slimFetchLargest(slimAttributes) : slimFetch(slimAttributes));
-    if (slimRange.z > 0.0) value = log(max(value, 1e-30));
-    float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0);
-    float n = float(textureSize(slimTable, 0).x);
-    // Each level has a texel of its own; all other tables are interpolated.
-    float u = slimMode == 6 ? (floor(min(x * n, n - 1.0)) + 0.5) / n : (x * (n - 1.0) + 0.5) / n;
-    slimBase = texture(slimTable, vec2(u, 0.5)).rgb;
-  }
-  if (slimMode == 9) {
-    vec4 weighted = slimFetch(slimColors);  // by 1, but for those that the graphics card adds up
-    slimBase = weighted.rgb / max(weighted.a, 1e-30);
-  }
+  vec3 slimBase = slimBaseOf(slimHit, slimStudio != 0 ? slimActorColor : diffuseColor);
+  if (slimMode == 0) diffuseColor = slimHit.w < 0.0 ? kClayBack : diffuseColor;
   if (slimMode > 0) {
     ambientColor = kCodedAmbient * slimBase;
     diffuseColor = kCodedDiffuse * slimBase;
@@ -196,27 +269,17 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
 // The pictures' light in place of what VTK's lights have given; normals, stripes and paper have none of either.
 constexpr const char* kFinish = R"(
   vec3 slimInCamera = normalVCVSOutput * vec3(1.0, 1.0, -1.0), slimAway = slimRay * vec3(1.0, 1.0, -1.0);
-  if (slimMode == 8) {
-    // Four places of the pixel, as a picture has rays: stripes are fine where the surface bends.
-    float phase = slimPhase(slimInCamera, slimAway);
-    vec2 quarter = 0.25 * vec2(dFdx(phase), dFdy(phase));
-    float up = quarter.x + quarter.y, down = quarter.x - quarter.y;
-    vec3 light = slimStripe(phase + up) + slimStripe(phase - up) + slimStripe(phase + down) +
-                 slimStripe(phase - down);
-    gl_FragData[0] = vec4(slimEncoded(0.25 * light), opacity);
-  } else if (slimMode == 11) {
+  if (slimMode == 11) {
     gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);
-  } else if (slimMode == 1 || (slimStudio != 0 && slimIsLit == 0)) {
+  } else if (slimRays() > 1) {
+    vec4 mean = slimMeanOfRays();
+    gl_FragData[0] = vec4(slimEncoded(mean.rgb), mean.a * opacity);
+  } else if (slimMode == 8) {
+    gl_FragData[0] = vec4(slimEncoded(slimStripesAbout(slimPhase(slimInCamera, slimAway))), opacity);
+  } else if (slimMode == 1) {
     gl_FragData[0] = vec4(slimBase, opacity);
   } else if (slimStudio != 0) {
-    float pixel = 2.0 * slimPlane.z / (slimTexels.y * slimViewport.w) * (slimDepth.x > 0.0 ? 1.0 : slimT);
-    float dim = 1.0;
-    if (slimHollows > 0.0) {
-      vec3 place = slimPlace(slimLow, abs(slimHit.w));
-      dim -= slimHollows * (1.0 - slimOpen(slimLow, place, slimInCamera, pixel));
-    }
-    vec3 light = slimLitColor(slimLinear(slimBase), slimMode > 0, slimInCamera, slimAway, dim);
-    gl_FragData[0] = vec4(slimEncoded(light), opacity);
+    gl_FragData[0] = vec4(slimEncoded(slimLightOf(slimHit, slimBase, slimInCamera, slimAway)), opacity);
   }
   if (slimLine.a > 0.0) {
     vec3 below = slimLinear(clamp(gl_FragData[0].rgb, 0.0, 1.0));
@@ -254,7 +317,7 @@ const char* resolveVertexShader() {
 
 void insertResolve(std::string& source) {
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec",
-                               lightConstantsGlsl() + kDeclarations + kSrgb + kLight + kPlace);
+                               lightConstantsGlsl() + kDeclarations + kSrgb + kLight + kShading);
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
   vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
   // VTK's own clipping would need a distance from the vertex shader.

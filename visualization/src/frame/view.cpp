@@ -53,33 +53,34 @@ Vector3 eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale) {
 /** \brief Fills in size, opening and shift of the picture. \param[in] view_height of the whole
  * viewport on the image plane. */
 void setPicture(const GLView& view, double view_height, double shift_x, double shift_y,
-                int coarseness, ViewCamera& result) {
+                double spacing, ViewCamera& result) {
   Camera& camera = result.camera;
   // Pixels of the camera are square: one whose pixels are not has another number of columns.
   const double columns = std::max(1.0, std::round(view.height * result.x_scale / result.y_scale));
   const double pixel = view_height / view.height;
-  camera.size.width = static_cast<int>(std::ceil(columns / coarseness));
-  camera.size.height = (view.height + coarseness - 1) / coarseness;
-  // A coarse pixel's ray passes through the middle of the pixels it replaces.
-  const auto offset = [coarseness](double fine_count, int coarse_count, double fine_shift) {
+  camera.size.width = static_cast<int>(std::ceil(columns / spacing));
+  camera.size.height = static_cast<int>(std::ceil(view.height / spacing));
+  // A coarse pixel's ray passes through the middle of the pixels it replaces, and those of a fine one
+  // are spread evenly.
+  const auto offset = [spacing](double fine_count, int coarse_count, double fine_shift) {
     const double center = 0.5 * (fine_count - 1.0) - fine_shift;
-    return 0.5 * (coarse_count - 1.0) - (center - 0.5 * (coarseness - 1.0)) / coarseness;
+    return 0.5 * (coarse_count - 1.0) - (center - 0.5 * (spacing - 1.0)) / spacing;
   };
   camera.pixel_offset = {offset(columns, camera.size.width, shift_x / pixel),
                          offset(view.height, camera.size.height, -shift_y / pixel)};
-  const double coarse_height = camera.size.height * coarseness * pixel;
+  const double coarse_height = camera.size.height * spacing * pixel;
   if (result.parallel) {
     camera.view_height = coarse_height / result.view_scale;
   } else {
     camera.fov = 2.0 * std::atan(0.5 * coarse_height) * 180.0 / M_PI;
   }
-  result.texels_x = columns / view.width / coarseness;
-  result.texels_y = 1.0 / coarseness;
+  result.texels_x = columns / view.width / spacing;
+  result.texels_y = 1.0 / spacing;
 }
 
 }  // namespace
 
-Error translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result) {
+Error translateView(const GLView& view, double near_distance, double spacing, ViewCamera& result) {
   const Matrix4& p = view.projection;
   result.parallel = p[15] != 0.0;
   if (!splitSimilarity(view.model_to_view, result.rotation, result.view_scale)) {
@@ -109,7 +110,7 @@ Error translateView(const GLView& view, double near_distance, int coarseness, Vi
   const double reach = std::max(length(camera.position), 1.0 / result.view_scale);
   camera.look_at = along(camera.position, reach, forward);
   camera.up = {r[3], r[4], r[5]};
-  setPicture(view, 2.0 * result.y_scale, result.x_shift, result.y_shift, coarseness, result);
+  setPicture(view, 2.0 * result.y_scale, result.x_shift, result.y_shift, spacing, result);
   return camera.validate();
 }
 

@@ -31,6 +31,7 @@ struct GBufferMapper::State {
   DisplayMode mode = DisplayMode::kShaded;
   double range = 0.0, budget = 50.0;
   ObjectLight light = ObjectLight::kScene;
+  int rays = 1;  ///< a pixel along each axis, of frames at rest
   double hollows = ShadingParams().ambient_occlusion;
   std::map<DisplayMode, std::array<double, 2>> seen_ranges;  ///< of fitRanges()
   VisibleSides sides = VisibleSides::kAuto;
@@ -118,6 +119,15 @@ void GBufferMapper::setAmbientOcclusion(double strength) {
 
 double GBufferMapper::getAmbientOcclusion() const {
   return state_->hollows;
+}
+
+void GBufferMapper::setSupersampling(int rays) {
+  constexpr int kMost = 4;
+  state_->rays = std::clamp(rays, 1, kMost);
+}
+
+int GBufferMapper::getSupersampling() const {
+  return state_->rays;
 }
 
 void GBufferMapper::setFrameBudget(double milliseconds) {
@@ -286,15 +296,15 @@ void GBufferMapper::PrintSelf(ostream& os, vtkIndent indent) {
 
 /** \brief Intersects a frame's rays on the graphics card or, failing that, on the CPU. */
 Error GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request,
-                               int coarseness) {
+                               double spacing) {
   State& s = *state_;
   const FrameKey key(s.view, request, s.object);
-  if (coarseness > 1) request.columns &= kColorColumn;
+  if (spacing > 1.0) request.columns &= kColorColumn;
   s.request = request;
   s.statistics.on_card = false;
   if (usesCard(window, request)) {
     const Error error = s.frame.makeOnCard(
-        s.view, key, coarseness, request,
+        s.view, key, spacing, request,
         [&](const ViewCamera& view, const FrameRequest& what, std::uint64_t& covered) {
           return drawOnCard(window, view, what, s.textures, covered);
         });
@@ -302,7 +312,7 @@ Error GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest reque
     if (!error) return {};
   }
   s.uploaded = false;
-  return s.frame.make(s.view, key, coarseness, request, lengthScale(),
+  return s.frame.make(s.view, key, spacing, request, lengthScale(),
                       [this](const Camera& camera, const FrameRequest& what, GBuffer& buffer) {
                         return rasterize(camera, what, buffer);
                       });
@@ -321,16 +331,20 @@ bool GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor) {
   const bool hurry = s.budget > 0.0 && isInteracting(renderer);
   request.close_gaps = !hurry;
   const FrameKey key(s.view, request, s.object);
-  const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
-  if (!s.frame.holds(key, coarseness)) {
+  // Lines are found and drawn with a ray for every pixel, and VTK's lights light one.
+  const bool several = s.light == ObjectLight::kStudio && !wantsLines();
+  const double spacing = hurry ? s.frame.coarsenessFor(s.budget) : several ? 1.0 / s.rays : 1.0;
+  const bool too_fine = !several && s.frame.spacing() < 1.0;
+  if (too_fine || !s.frame.holds(key, spacing)) {
     s.lines_current = false;
-    s.error = makeFrame(window, request, coarseness);
+    s.error = makeFrame(window, request, spacing);
     if (s.error) {
       vtkErrorMacro(<< s.error.message);
       return false;
     }
     ++s.statistics.rasterized;
-    s.statistics.coarseness = coarseness;
+    s.statistics.coarseness = std::max(1, static_cast<int>(std::lround(spacing)));
+    s.statistics.supersampling = static_cast<int>(std::lround(std::max(1.0, 1.0 / spacing)));
     s.statistics.covered_pixels = s.frame.coveredPixels();
     s.statistics.rasterize_seconds = s.frame.seconds();
   }
@@ -360,7 +374,7 @@ void GBufferMapper::prepareLines(vtkRenderer* renderer) {
   s.textures.dropLines();
   const double milliseconds = 1000.0 * (s.frame.seconds() + s.statistics.line_seconds);
   const bool slow = s.budget > 0.0 && (s.statistics.lines == 0 || milliseconds > s.budget);
-  if (!wantsLines() || s.frame.coarseness() > 1 || (slow && isInteracting(renderer))) return;
+  if (!wantsLines() || s.frame.spacing() > 1.0 || (slow && isInteracting(renderer))) return;
   const Stopwatch watch;
   std::vector<std::uint8_t> rgba;
   s.request.near_plane = s.frame.view().near_plane;
@@ -424,7 +438,7 @@ void GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRen
   std::copy_n(actor->GetProperty()->GetDiffuseColor(), 3, color.begin());
   // A processor takes half as long again for the shade in hollows.
   const bool hurry = CardRasterizer::isSoftware() && isInteracting(renderer);
-  const bool shaded = s.frame.coarseness() == 1 && !hurry;
+  const bool shaded = s.frame.spacing() <= 1.0 && !hurry;
   program->SetUniformi("slimStudio", s.light == ObjectLight::kStudio);
   program->SetUniformi("slimIsLit", actor->GetProperty()->GetLighting());
   program->SetUniform3f("slimActorColor", color.data());
