@@ -28,7 +28,7 @@ OptionTable declareOptions(Settings& s) {
   OptionTable table(
       kProgram, PCL_SLIM_VERSION,
       "Shows a SLIM surface (.pcd .ply .vtp .slim), splats (.pcd .ply .vtp) or a scan "
-      "(.pcd .ply), which is fitted on the fly, in a window; h there tells the keys.");
+      "(.pcd .ply), which is fitted on the fly, in a window, where h shows the keys.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
                    "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan");
   s.viewer.view.declareSize(table);
