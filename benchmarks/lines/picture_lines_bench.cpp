@@ -12,23 +12,18 @@
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "picture_views.h"
 #include "support/lab/bench.h"
 
 namespace {
 
 using namespace pcl_slim;
+using namespace pcl_slim::lines_bench;
 
 struct Settings {
   std::string surface, picture;
   int width = 1000, height = 800, repeat = 7, threads = 2;
   PictureLineParams lines;
-};
-
-/** What one camera sees, and the lines in it. */
-struct View {
-  Camera camera;
-  GBuffer buffer;
-  std::vector<PictureLine> lines;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -46,7 +41,7 @@ OptionTable declareOptions(Settings& s) {
 }
 
 /** The lines on white paper. */
-Error savePicture(const Settings& s, const View& view) {
+Error savePicture(const Settings& s, const PictureView& view) {
   Image image;
   image.width = s.width;
   image.height = s.height;
@@ -55,14 +50,7 @@ Error savePicture(const Settings& s, const View& view) {
   return saveImage(s.picture, image);
 }
 
-Error renderView(SurfaceRenderer& renderer, const Settings& s, View& view) {
-  RenderParams params;
-  params.threads = s.threads;
-  params.columns = pictureLineColumns(s.lines) | kPositionColumn;
-  return renderer.render(view.camera, params, view.buffer);
-}
-
-Error timeLines(const SLIMSurface& surface, const Settings& s, View& view) {
+Error timeLines(const SLIMSurface& surface, const Settings& s, PictureView& view) {
   std::vector<double> times, cpu;
   for (int i = 0; i < s.repeat; ++i) {
     const double start = measure::wallSeconds(), cpu_start = measure::cpuSeconds();
@@ -92,40 +80,8 @@ Camera turned(const Camera& camera, double degrees) {
   return other;
 }
 
-/** The surface point at a place between pixels, world coordinates. */
-bool placeOn(const SLIMSurface& surface, const GBuffer& buffer, const std::array<float, 2>& p,
-             Vector3& world) {
-  const int x = static_cast<int>(std::floor(p[0])), y = static_cast<int>(std::floor(p[1]));
-  if (x < 0 || y < 0 || x + 1 >= buffer.width || y + 1 >= buffer.height) return false;
-  const double fx = p[0] - x, fy = p[1] - y;
-  const double shares[] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-  world = surface.info.origin;
-  for (int corner = 0; corner < 4; ++corner) {
-    const std::size_t i = buffer.index(x + corner % 2, y + corner / 2);
-    if (!buffer.covered(i)) return false;
-    for (std::size_t a = 0; a < 3; ++a)
-      world[a] += shares[corner] * surface.info.scale * buffer.position[i][a];
-  }
-  return true;
-}
-
-/** Crest lines of a view as lines in space. */
-std::vector<SpaceLine> placeOn(const SLIMSurface& surface, const View& view) {
-  std::vector<SpaceLine> placed;
-  for (const PictureLine& line : view.lines) {
-    if (line.kind != PictureLineKind::kRidge && line.kind != PictureLineKind::kRavine) continue;
-    SpaceLine space{line.kind, {}};
-    Vector3 world;
-    for (const auto& p : line.points) {
-      if (placeOn(surface, view.buffer, p, world)) space.points.push_back(world);
-    }
-    placed.push_back(std::move(space));
-  }
-  return placed;
-}
-
 /** Pixels from a place to the nearest vertex of a view's lines of one kind. */
-double distanceTo(const View& view, PictureLineKind kind, const std::array<float, 2>& p) {
+double distanceTo(const PictureView& view, PictureLineKind kind, const std::array<float, 2>& p) {
   double least = 1e9;
   for (const PictureLine& line : view.lines) {
     if (line.kind != kind) continue;
@@ -135,8 +91,9 @@ double distanceTo(const View& view, PictureLineKind kind, const std::array<float
   return least;
 }
 
-void printDrift(const SLIMSurface& surface, const View& from, const View& to, double degrees) {
-  const auto seen = projectLines(placeOn(surface, from), to.buffer, to.camera, surface);
+void printDrift(const SLIMSurface& surface, const PictureView& from, const PictureView& to,
+                double degrees) {
+  const auto seen = projectLines(crestLinesInSpace(surface, from), to.buffer, to.camera, surface);
   if (!seen) return;
   std::vector<double> distances;
   for (const PictureLine& line : *seen) {
@@ -158,18 +115,18 @@ Exit run(Settings& s) {
   s.lines.threads = s.threads;
   s.lines.crest = s.lines.suggestive = s.lines.contour = true;
   const BoundingSpheres object = spheresOf(*surface);
-  View view;
+  PictureView view;
   view.camera = cameraFor(chooseView(object), object, {s.width, s.height});
   SurfaceRenderer renderer(*surface, s.threads);
-  if (Error error = renderView(renderer, s, view)) return error;
+  if (Error error = renderView(renderer, s.lines, view)) return error;
   if (Error error = timeLines(*surface, s, view)) return error;
   if (!s.picture.empty()) {
     if (Error error = savePicture(s, view)) return error;
   }
   for (const double degrees : {1.0, 3.0, 10.0}) {
-    View other;
+    PictureView other;
     other.camera = turned(view.camera, degrees);
-    if (Error error = renderView(renderer, s, other)) return error;
+    if (Error error = renderView(renderer, s.lines, other)) return error;
     PictureLineParams whole = s.lines;
     whole.min_length = 0;
     auto lines = findPictureLines(other.buffer, other.camera, *surface, whole);
