@@ -33,9 +33,9 @@ OptionTable declareOptions(Settings& s) {
   options.integer("height", &s.height, 16, 8192, "pixels");
   options.integer("repeat", &s.repeat, 1, 1000, "frames to take the median of");
   options.integer("threads", &s.threads, 1, 256, "threads");
-  options.number("crest", &s.lines.crest_curvature, 1e-6, 1e6, "least curvature [1/L]");
-  options.number("suggestive", &s.lines.suggestive_derivative, 1e-6, 1e9,
-                 "least derivative [1/L^2]");
+  options.number("crest", &s.lines.crest_curvature, 0, 1e6, "least curvature [1/L]; 0: automatic");
+  options.number("suggestive", &s.lines.suggestive_derivative, 0, 1e9,
+                 "least derivative [1/L^2]; 0: automatic");
   options.text("picture", &s.picture, "FILE.png", "draw the lines");
   return options;
 }

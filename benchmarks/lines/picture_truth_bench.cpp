@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <random>
 
 #include "common/run_program.h"
 #include "pcl_slim/cloud/point_store.h"
@@ -57,49 +56,10 @@ OptionTable declareOptions(Settings& s) {
 
 constexpr double kHalfEdge = 0.6;  ///< of the cube
 
-/** Evenly spread points of a cube with sharp edges. */
-measure::Scene sampleCube(std::size_t count, double noise, std::uint64_t seed) {
-  std::mt19937_64 rng(seed);
-  std::uniform_real_distribution<double> place(-kHalfEdge, kHalfEdge);
-  std::normal_distribution<double> gauss;
-  measure::Scene scene;
-  scene.diagonal = 2.0 * kHalfEdge * std::sqrt(3.0);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t face = rng() % 6;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double side = face < 3 ? kHalfEdge : -kHalfEdge;
-      const double exact = a == face % 3 ? side : place(rng);
-      scene.points.push_back(exact + noise * scene.diagonal * gauss(rng));
-      scene.normals.push_back(a == face % 3 ? static_cast<float>(side / kHalfEdge) : 0.0f);
-    }
-  }
-  return scene;
-}
-
-std::vector<Segment> cubeEdges() {
-  constexpr int kPieces = 200;
-  std::vector<Segment> edges;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (int corner = 0; corner < 4; ++corner) {
-      for (int i = 0; i < kPieces; ++i) {
-        Segment segment;
-        for (int end = 0; end < 2; ++end) {
-          Vector3& p = segment[static_cast<std::size_t>(end)];
-          p[axis] = kHalfEdge * (2.0 * (i + end) / kPieces - 1.0);
-          p[(axis + 1) % 3] = corner % 2 ? kHalfEdge : -kHalfEdge;
-          p[(axis + 2) % 3] = corner / 2 ? kHalfEdge : -kHalfEdge;
-        }
-        edges.push_back(segment);
-      }
-    }
-  }
-  return edges;
-}
-
 Error makeShape(const Settings& s, const std::string& name, Shape& shape) {
   shape.name = name;
   if (name == "cube") {
-    shape.truth = cubeEdges();
+    shape.truth = measure::cubeEdges(kHalfEdge, 200);
     return {};
   }
   if (!measure::parseLineSurface(name, shape.surface))
@@ -119,11 +79,21 @@ Error fit(const Settings& s, const measure::Scene& scene, SLIMSurface& surface) 
   return fitSurface(*store, FitParams(), surface);
 }
 
-/** Whether a camera sees the middle of a segment. */
-bool isSeen(const PictureView& view, const SLIMSurface& surface, const Segment& segment) {
+/** Whether a camera sees a segment, and not as a contour, which is drawn as one.
+ * \param[in] reach [pixels] */
+bool isSeen(const PictureView& view, const SLIMSurface& surface, const Segment& segment,
+            double reach) {
   const auto seen = projectLines({{PictureLineKind::kRidge, {segment[0], segment[1]}}}, view.buffer,
                                  view.camera, surface);
-  return seen && !seen->empty();
+  if (!seen || seen->empty()) return false;
+  const auto& place = seen->front().points.front();
+  for (const PictureLine& line : view.lines) {
+    if (line.kind != PictureLineKind::kContour) continue;
+    for (const auto& p : line.points) {
+      if (std::hypot(p[0] - place[0], p[1] - place[1]) < reach) return false;
+    }
+  }
+  return true;
 }
 
 double lengthOf(const Segment& segment) {
@@ -136,7 +106,7 @@ Vector3 middleOf(const Segment& segment) {
 
 /** Adds what one view shows. \param[in] reach a line nearer than this is next to another. */
 void score(const Shape& shape, const SLIMSurface& surface, const PictureView& view, double reach,
-           double diagonal, Outcome& sum) {
+           double pixel, double diagonal, Outcome& sum) {
   std::vector<Segment> found;
   for (const SpaceLine& line : crestLinesInSpace(surface, view)) {
     for (std::size_t i = 1; i < line.points.size(); ++i) {
@@ -151,7 +121,7 @@ void score(const Shape& shape, const SLIMSurface& surface, const PictureView& vi
     if (truth.distance(middleOf(segment)) > reach) sum.off += lengthOf(segment) / diagonal;
   }
   for (const Segment& segment : shape.truth) {
-    if (!isSeen(view, surface, segment)) continue;
+    if (!isSeen(view, surface, segment, reach / pixel)) continue;
     sum.seen += lengthOf(segment) / diagonal;
     if (lines.distance(middleOf(segment)) < reach) sum.met += lengthOf(segment) / diagonal;
   }
@@ -170,7 +140,7 @@ Error runScene(const Settings& s, const Shape& shape, double noise, Outcome& sum
   const auto points = static_cast<std::size_t>(s.points);
   const auto seed = static_cast<std::uint64_t>(s.seed);
   const measure::Scene scene =
-      shape.name == "cube" ? sampleCube(points, noise, seed)
+      shape.name == "cube" ? measure::sampleCube(kHalfEdge, points, noise, seed)
                            : measure::sampleSurface(shape.surface, points, noise, 0.05, seed);
   SLIMSurface surface;
   if (Error error = fit(s, scene, surface)) return error;
@@ -196,7 +166,7 @@ Error runScene(const Settings& s, const Shape& shape, double noise, Outcome& sum
     }
     radius /= std::max(1.0, covered);
     sum.radius += radius / pixel / 6;
-    score(shape, surface, view, std::max(3 * pixel, 0.25 * radius), scene.diagonal, sum);
+    score(shape, surface, view, std::max(3 * pixel, 0.25 * radius), pixel, scene.diagonal, sum);
     for (const PictureLine& line : view.lines) {
       if (line.kind != PictureLineKind::kSuggestive) continue;
       for (std::size_t i = 1; i < line.points.size(); ++i)
@@ -216,7 +186,7 @@ Error runScene(const Settings& s, const Shape& shape, double noise, Outcome& sum
 Exit run(Settings& s) {
   if (Error error = measure::parseLists({{"noise", &s.noise, 0, 1, false, &s.noise_list}}))
     return error;
-  s.lines.crest = s.lines.suggestive = true;
+  s.lines.crest = s.lines.suggestive = s.lines.contour = true;
   std::printf(
       "| shape | noise | leaf radius [pixels] | true length seen [L] | found of it | found length "
       "[L] | false of it | suggestive [pixels] |\n|---|---|---|---|---|---|---|---|\n");

@@ -9,6 +9,7 @@ namespace pcl_slim::lines_bench {
 Error renderView(SurfaceRenderer& renderer, const PictureLineParams& params, PictureView& view) {
   RenderParams rendering;
   rendering.threads = params.threads;
+  rendering.close_gaps = true;
   rendering.columns = pictureLineColumns(params) | kPositionColumn;
   return renderer.render(view.camera, rendering, view.buffer);
 }

@@ -194,10 +194,9 @@ std::vector<TracedLine> keptStretches(const std::vector<TracedLine>& traced,
   return kept;
 }
 
-constexpr double kStorePrecision = 1e-9;  ///< of L: rounding must not pass for structure
-constexpr double kCleanNoise = 1e-6;      ///< of L: below it third derivatives are the more exact
-constexpr std::size_t kSlices = 32;       ///< progress report and cancel check in between
-constexpr float kSeedsShare = 0.1f;       ///< of the time
+constexpr double kCleanNoise = 1e-6;  ///< of L: below it third derivatives are the more exact
+constexpr std::size_t kSlices = 32;   ///< progress report and cancel check in between
+constexpr float kSeedsShare = 0.1f;   ///< of the time
 
 std::array<float, 3> toFloat(const Vector3& a) {
   return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2])};
@@ -343,13 +342,12 @@ Error traceCrestLines(const PointStore& store, const Projection& projection,
 
   const ProbeIndex index(surface);
   const double noise = std::sqrt(std::max(0.0, surface.info.lambda));
-  const double sigma = std::max(noise, kStorePrecision) * surface.info.diagonal;
   const double radius = std::max(meanRadius(surface), 1e-6);
   std::vector<std::unique_ptr<CrestTracer>> tracers(2);
   for (const CrestType type : {CrestType::kRidge, CrestType::kRavine}) {
     if (!(type == CrestType::kRidge ? params.ridges : params.ravines)) continue;
-    tracers[static_cast<std::size_t>(type)] =
-        std::make_unique<CrestTracer>(index, type, params, sigma, noise < kCleanNoise, radius);
+    tracers[static_cast<std::size_t>(type)] = std::make_unique<CrestTracer>(
+        index, type, params, CurvatureNoise(surface.info), noise < kCleanNoise, radius);
   }
   if (Error error = followAll(seeds, tracers, threads, progress)) return error;
   collect(tracers, params, surface.info, lines, made);

@@ -307,6 +307,43 @@ std::vector<Segment> exactLines(const LineSurface& surface, bool ravine, std::si
   return segments;
 }
 
+Scene sampleCube(double half_edge, std::size_t count, double noise, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> place(-half_edge, half_edge);
+  std::normal_distribution<double> gauss;
+  Scene scene;
+  scene.diagonal = 2.0 * half_edge * std::sqrt(3.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t face = rng() % 6;
+    const double side = face < 3 ? 1.0 : -1.0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double exact = a == face % 3 ? side * half_edge : place(rng);
+      scene.points.push_back(exact + noise * scene.diagonal * gauss(rng));
+      scene.normals.push_back(a == face % 3 ? static_cast<float>(side) : 0.0f);
+    }
+  }
+  return scene;
+}
+
+std::vector<Segment> cubeEdges(double half_edge, int pieces) {
+  std::vector<Segment> edges;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (int corner = 0; corner < 4; ++corner) {
+      for (int i = 0; i < pieces; ++i) {
+        Segment segment;
+        for (int end = 0; end < 2; ++end) {
+          Vector3& p = segment[static_cast<std::size_t>(end)];
+          p[axis] = half_edge * (2.0 * (i + end) / pieces - 1.0);
+          p[(axis + 1) % 3] = corner % 2 ? half_edge : -half_edge;
+          p[(axis + 2) % 3] = corner / 2 ? half_edge : -half_edge;
+        }
+        edges.push_back(segment);
+      }
+    }
+  }
+  return edges;
+}
+
 struct SegmentIndex::Cells {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> lists;
 

@@ -125,6 +125,13 @@ using Segment = std::array<Vector3, 2>;
  * a side. */
 std::vector<Segment> exactLines(const LineSurface& surface, bool ravine, std::size_t cells);
 
+/** \brief Evenly spread points of a cube with sharp edges about the origin, with the faces' normals;
+ * noise as in makeScene(). */
+Scene sampleCube(double half_edge, std::size_t count, double noise, std::uint64_t seed);
+
+/** \brief Its twelve edges, each in pieces. */
+std::vector<Segment> cubeEdges(double half_edge, int pieces);
+
 /** \brief Segments, found by place. */
 class SegmentIndex {
  public:

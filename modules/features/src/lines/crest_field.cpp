@@ -13,7 +13,7 @@ constexpr double kWide = 0.15;          ///< the widest, on broad crests [radii]
 constexpr double kShareOfCrest = 0.21;  ///< half width over the breadth of a crest
 constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
 constexpr double kMargin = 0.6;  ///< leaves are searched this far ahead [radii]
-constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
+constexpr double kHalfStep = 0.5 * LineSignificance::kAside;  ///< half the way there [radii]
 
 }  // namespace
 
@@ -261,8 +261,7 @@ void CrestField::findProminence(CrestVertex* vertices, std::size_t count) {
 double CrestField::prominenceOf(const CrestVertex& v, const ProbeSample* aside) const {
   // Beyond a border nothing is known.
   if (!aside[0].supported || !aside[1].supported) return 0;
-  // The mean of both sides: the larger of two is the one that noise favours.
-  return v.k - 0.5 * (kOf(aside[0], v.normal) + kOf(aside[1], v.normal));
+  return lineProminence(v.k, kOf(aside[0], v.normal), kOf(aside[1], v.normal));
 }
 
 }  // namespace pcl_slim::detail

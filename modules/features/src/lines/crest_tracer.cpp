@@ -12,16 +12,10 @@ constexpr double kSeedGap = 0.9;    ///< seeds nearer to a line are left out [st
 constexpr double kCell = 8.0;       ///< of the reach: cells in which vertices are looked up
 constexpr double kJoinGap = 0.5;    ///< lines nearer to each other become one [steps]
 constexpr double kSeedShare = 0.5;  ///< of the significance: seeds are a little off their line
-constexpr double kNoiseOfPeaks =
-    60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
 constexpr std::int64_t kMiddle = std::int64_t{1} << 32;
 constexpr std::int64_t kOwnGap = 8;  ///< own vertices this many steps back count as another line's
 constexpr std::size_t kChunk = CrestField::kMostVertices;
 constexpr std::size_t kMostSteps = 1000000;
-
-double significanceOf(double prominence, double radius, double effective_count, double sigma) {
-  return prominence * radius * radius * std::sqrt(effective_count) / (kNoiseOfPeaks * sigma);
-}
 
 }  // namespace
 
@@ -89,11 +83,11 @@ void PlaceGrid::add(const Vector3& place, double reach, std::int64_t number) {
 }
 
 CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params,
-                         double sigma, bool analytic, double mean_radius)
+                         const CurvatureNoise& noise, bool analytic, double mean_radius)
     : params_(params),
       field_(index, type, analytic),
       stepper_(field_, params.step),
-      sigma_(sigma),
+      noise_(noise),
       mean_radius_(mean_radius),
       traced_(kCell * reachOf(mean_radius)),
       refused_(kCell * reachOf(mean_radius)),
@@ -157,7 +151,7 @@ bool CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVer
   v.reach = CrestField::reachAt(v);
   CrestSample samples[3];
   field_.sampleSeed(v, samples);
-  const double z = significanceOf(v.prominence, scale.radius, scale.effective_count, sigma_);
+  const double z = noise_.significance(v.prominence, scale.radius, scale.effective_count);
   if (!(z >= kSeedShare * params_.significance)) {
     return refuse(seed, statistics_.seeds_insignificant);
   }
@@ -211,7 +205,7 @@ void CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std
     field_.findProminence(line.data() + begin, some);
     for (std::size_t i = begin; i < begin + some; ++i) {
       CrestVertex& v = line[i];
-      v.significance = significanceOf(v.prominence, v.radius, v.effective_count, sigma_);
+      v.significance = noise_.significance(v.prominence, v.radius, v.effective_count);
     }
   }
 }

@@ -255,10 +255,9 @@ struct TracedLine {
 /** Follows the lines of one type from its seeds. */
 class CrestTracer {
  public:
-  /** \param[in] sigma the noise's deviation, at least the store's precision, local units;
-   * mean_radius of the leaves. */
-  CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params, double sigma,
-              bool analytic, double mean_radius);
+  /** \param[in] mean_radius of the leaves, local units. */
+  CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params,
+              const CurvatureNoise& noise, bool analytic, double mean_radius);
 
   /** Traces the line through a seed, unless one is there already or noise explains it. */
   void follow(const CrestSeed& seed);
@@ -284,7 +283,8 @@ class CrestTracer {
   CrestParams params_;
   CrestField field_;
   CrestStepper stepper_;
-  double sigma_, mean_radius_;
+  CurvatureNoise noise_;
+  double mean_radius_;
   double seed_radius_ = 0;  ///< of the leaves at the seed being followed
   PlaceGrid traced_;        ///< vertices of all lines so far, numbered in order
   PlaceGrid refused_;       ///< seeds that were tried already

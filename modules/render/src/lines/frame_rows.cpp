@@ -167,8 +167,8 @@ HWY_INLINE void forShown(const PictureRow& row, FrameRow& frames, const Body& bo
 
 void crestFrames(const PictureRow& row, FrameRow& frames) {
   forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
-    const Mask usable =
-        And(pixels.covered, And(pixels.length > set(0.0f), pixels.facing >= set(kLeastFacing)));
+    const Mask usable = And(pixels.covered, pixels.length > set(0.0f));
+    const Mask shown = And(usable, pixels.facing >= set(kLeastFacing));
     Lanes3 a, b;
     tangents(pixels.normal, a, b);
     const Lanes3 ha = pixels.bent(a), hb = pixels.bent(b);
@@ -178,7 +178,7 @@ void crestFrames(const PictureRow& row, FrameRow& frames) {
     const Vec k = IfThenElse(bulges, found.k1, found.k2);
     const Vec c = IfThenElse(bulges, found.cosine, Neg(found.sine));
     const Vec s = IfThenElse(bulges, found.sine, found.cosine);
-    pixels.put(IfThenElseZero(usable, k), along(scaled(a, c), s, b), usable, first, frames);
+    pixels.put(IfThenElseZero(usable, k), along(scaled(a, c), s, b), shown, first, frames);
   });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +10,8 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/query/line_significance.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/surface/surface.h"
@@ -37,8 +40,8 @@ struct FrameRow {
 namespace kernels {
 
 /** \brief The larger principal curvature of each pixel: k1 where the surface is convex, as for
- * ridges, and k2 < 0 where it is more concave. 0 where nothing is seen or the surface is seen at a
- * grazing angle. */
+ * ridges, and k2 < 0 where it is more concave. 0 where nothing is seen; where the surface is seen
+ * at a grazing angle screen is 0. */
 void crestFrames(const PictureRow& row, FrameRow& frames);
 
 /** \brief Radial curvature of each pixel, along the projected way to the viewer. Facing contours
@@ -68,22 +71,28 @@ class PixelGeometry {
    * meets it behind the camera or never. */
   float depthOfPlane(std::size_t pixel, int x, int y, int other_x, int other_y) const;
 
+  /** \brief Local position of a place between pixels, up to a shift of all. */
+  Vector3 position(float x, float y, float depth) const;
+
   /** \brief A value of the four pixels about a place, by bilinear interpolation; false where one
-   * shows no surface or is beyond a step of depth from the given one.
+   * shows no surface or is another sheet's.
+   * \param[in] depth, distance of a place on the sheet, and how far it is along the surface: depths
+   * differ by no more than that, and a step
    * \param[in] read gives a pixel's value; it is called for pixels that show the surface only */
   template <typename Read>
-  bool sample(float x, float y, float depth, const Read& read, float& value) const {
+  bool sample(float x, float y, float depth, float distance, const Read& read, float& value) const {
     if (!(x >= 0 && x < static_cast<float>(buffer_.width - 1))) return false;
     if (!(y >= 0 && y < static_cast<float>(buffer_.height - 1))) return false;
     const auto x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
     const std::size_t first = buffer_.index(x0, y0);
     const std::size_t below = first + static_cast<std::size_t>(buffer_.width);
+    const float most = step_ + std::abs(distance);
     // Where nothing is seen the depth is infinite.
     const float* const d = buffer_.depth.data();
     // Counted without a branch each.
     const auto near = [&](std::size_t i) {
-      return static_cast<int>(std::abs(d[i] - depth) <= step_);
+      return static_cast<int>(std::abs(d[i] - depth) <= most);
     };
     if (near(first) + near(first + 1) + near(below) + near(below + 1) < 4) return false;
     const float top_left = read(first), bottom_left = read(below);
@@ -93,34 +102,45 @@ class PixelGeometry {
     return true;
   }
 
-  /** \brief The same at a local distance before and behind a pixel along a tangent, given as its
-   * image in the picture. */
+  /** \brief The same at a local distance from a pixel along a tangent, given as its image in the
+   * picture. */
   template <typename Read>
-  bool sampleBothWays(std::size_t pixel, const Pixel2& screen, float distance, const Read& read,
-                      float& before, float& behind) const {
+  bool sampleAside(std::size_t pixel, const Pixel2& screen, float distance, const Read& read,
+                   float& value) const {
     const auto width = static_cast<std::size_t>(buffer_.width);
     const std::size_t row = pixel / width;
     const auto x = static_cast<float>(pixel % width), y = static_cast<float>(row);
-    const float dx = distance * screen[0], dy = distance * screen[1];
-    const float depth = buffer_.depth[pixel];
-    return sample(x + dx, y + dy, depth, read, before) &&
-           sample(x - dx, y - dy, depth, read, behind);
+    return sample(x + distance * screen[0], y + distance * screen[1], buffer_.depth[pixel],
+                  distance, read, value);
+  }
+
+  /** \brief The same before and behind a pixel. */
+  template <typename Read>
+  bool sampleBothWays(std::size_t pixel, const Pixel2& screen, float distance, const Read& read,
+                      float& before, float& behind) const {
+    return sampleAside(pixel, screen, distance, read, before) &&
+           sampleAside(pixel, screen, -distance, read, behind);
   }
 
   /** \brief Local distance over which differences of curvature along a tangent are steady, in the
    * pixels of this view. */
   float differenceStep(std::size_t pixel, const Pixel2& screen) const;
 
-  /** \brief Deviation of a curvature that noise makes at a pixel, from its leaf's radius and number
-   * of points (1/local length); a change of curvature within half a radius is compared with it. */
-  float noiseOfCurvature(std::size_t pixel) const;
+  /** \brief A difference of curvatures half a leaf's radius apart [1/local length] in deviations
+   * of the noise at a pixel. */
+  float significance(float difference, std::size_t pixel) const;
+  /** \brief How well a pixel's leaf fits its points, in (0, 1]: 1 down to the noise. */
+  float fit(std::size_t pixel) const {
+    return std::min(1.0f, std::sqrt(2.0f * surface_.varianceWeight(buffer_.surfel[pixel])));
+  }
 
  private:
   const GBuffer& buffer_;
   const SLIMSurface& surface_;
   CameraRays rays_;
   bool perspective_;
-  double diagonal_, sigma_;
+  double diagonal_;
+  CurvatureNoise noise_;
   float step_;  ///< of depth
   std::array<float, 3> right_, up_, forward_;
 };
@@ -194,8 +214,18 @@ struct FieldRow {
 struct ZeroCrossing {
   std::uint32_t edge = 0;  ///< 2 i from pixel i to the right, 2 i + 1 down
   float share = 0;         ///< of the way
-  float most = 0;          ///< the line's strength there is not above it
+  float most = 0;          ///< the vertex's size is not above it
   Pixel2 screen{};         ///< the tangent's image at the nearer pixel
+};
+
+/** \brief A vertex of a line before the line is kept or not. */
+struct LineVertex {
+  float x = 0, y = 0;
+  float size = 0;  ///< what the line is measured by, in units of the least; below 1 it is not kept
+  float significance = 0;  ///< deviations of the noise
+  float sharpness = 0;     ///< whose integral along a line is its strength [1/local length]
+  float radius = 0;        ///< of the leaf, local units
+  Vector3 position{};      ///< local units, up to a shift of all
 };
 
 /** \brief A field over the pixels whose zeros are lines. Values along tangents of arbitrary sign
@@ -208,21 +238,19 @@ class ZeroField {
   const PixelGeometry& geometry() const { return geometry_; }
   /** \brief A row's values; frames of pixels without one are not read. */
   virtual void fill(int y, FieldRow& row) const = 0;
-  /** \brief The most that strength() can be between two neighbours, from their rows alone.
+  /** \brief The most that a vertex's size can be between two neighbours, from their rows alone.
    * \param[in] axis of the picture in which they are neighbours, from a to b */
   virtual float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                             float share, std::size_t axis) const = 0;
-  /** \brief Strength of the line at a crossing, in units of the least that is drawn; 0: none. */
-  virtual float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const = 0;
+  /** \brief Sets a vertex's size, significance and sharpness at a crossing. */
+  virtual void measure(const ZeroCrossing& at, std::size_t nearer, int kind,
+                       LineVertex& vertex) const = 0;
 
  protected:
   const PixelGeometry& geometry_;
 };
 
-/** \brief A line's vertex before it is kept or not; strength is in units of the least drawn. */
-struct LineVertex {
-  float x = 0, y = 0, strength = 0;
-};
+constexpr float kReachedSize = 2.0f;  ///< size that a line has somewhere
 
 /** \brief Zeros of one kind: a line as a chain of sub-pixel vertices. */
 struct ZeroLine {
@@ -255,8 +283,15 @@ class ZeroTracer {
   std::vector<Band> bands_;
 };
 
-/** \brief Stretches of strength 1 and more that reach 2 and the least length, appended to lines. */
-void keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
+/** \brief Which stretches of lines are kept. */
+struct LineRule {
+  double least_length = 0;    ///< pixels
+  double least_strength = 0;  ///< integral of the sharpness along it
+};
+
+/** \brief Appends the stretches of size 1 and more that are significant, reach size 2 and are as
+ * long and strong as the rule has it. O(vertices). */
+void keepStrong(const std::vector<ZeroLine>& zeros, PictureLineKind kind, const LineRule& rule,
                 std::vector<PictureLine>& lines);
 
 }  // namespace pcl_slim::detail

@@ -14,11 +14,13 @@ namespace pcl_slim {
 using namespace detail;
 
 Error PictureLineParams::validate() const {
-  if (!(crest_curvature > 0) || !std::isfinite(crest_curvature))
-    return {ErrorCode::kBadArgument, "the least curvature of a crest line must be above 0"};
-  if (!(suggestive_derivative > 0) || !std::isfinite(suggestive_derivative))
+  if (!(crest_curvature >= 0) || !std::isfinite(crest_curvature))
     return {ErrorCode::kBadArgument,
-            "the least derivative of a suggestive contour must be above 0"};
+            "the least curvature of a crest line must be above 0, or 0 for the automatic one"};
+  if (!(suggestive_derivative >= 0) || !std::isfinite(suggestive_derivative))
+    return {ErrorCode::kBadArgument,
+            "the least derivative of a suggestive contour must be above 0, or 0 for the automatic "
+            "one"};
   if (!(min_length >= 0)) return {ErrorCode::kBadArgument, "the least length must be 0 or more"};
   return {};
 }
@@ -172,7 +174,8 @@ class CrestField : public ZeroField {
   void fill(int y, FieldRow& row) const override;
   float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                     float share, std::size_t axis) const override;
-  float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const override;
+  void measure(const ZeroCrossing& at, std::size_t nearer, int kind,
+               LineVertex& vertex) const override;
 
  private:
   CurvatureMap map_;
@@ -188,15 +191,13 @@ class RadialField : public ZeroField {
   void fill(int y, FieldRow& row) const override;
   float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                     float share, std::size_t axis) const override;
-  float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const override;
+  void measure(const ZeroCrossing& at, std::size_t nearer, int kind,
+               LineVertex& vertex) const override;
 
  private:
   CurvatureMap map_;
   float least_derivative_;
 };
-
-constexpr float kProminence = 0.5f;    ///< of the leaf's radius: where a crest has to be lower
-constexpr float kSignificance = 2.0f;  ///< deviations of the noise that count as strength 1
 
 /** Curvature with the sign of one kind of line: of the surface, or of the reversed surface; 0 where
  * the other is the larger. */
@@ -246,7 +247,7 @@ void CrestField::fill(int y, FieldRow& row) const {
   }
 }
 
-/** Strength of curvature alone; 0 where k is least between the two, not greatest. */
+/** The curvature; 0 where k is least between the two, not greatest. */
 float CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                               float share, std::size_t axis) const {
   const bool grows = a.value[xa] < 0;
@@ -256,17 +257,28 @@ float CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow&
   return std::abs(k) / least_curvature_;
 }
 
-/** Prominence of k [kSignificance deviations of its noise], at most that of the crossing. */
-float CrestField::strength(const ZeroCrossing& at, std::size_t nearer, int kind) const {
+constexpr float kNearer = 0.5f;  ///< of the way aside, where the rest of it is hidden
+
+/** Curvature aside of a pixel. What is hidden or beyond a border is not known.
+ * \param[in] way 1 or -1 along the tangent */
+bool curvatureAside(const PixelGeometry& geometry, std::size_t pixel, const Pixel2& screen,
+                    float way, const Side& side, float& k) {
+  const auto reach =
+      static_cast<float>(LineSignificance::kAside) * way * geometry.buffer().radius[pixel];
+  return geometry.sampleAside(pixel, screen, reach, side, k) ||
+         geometry.sampleAside(pixel, screen, kNearer * reach, side, k);
+}
+
+void CrestField::measure(const ZeroCrossing& at, std::size_t nearer, int kind,
+                         LineVertex& vertex) const {
   const Side side{map_, kind == kRidge ? 1.0f : -1.0f};
-  const float distance = kProminence * geometry_.buffer().radius[nearer];
-  float before, behind;
-  if (!geometry_.sampleBothWays(nearer, at.screen, distance, side, before, behind)) {
-    before = behind = 0;  // The surface ends: there is no neighbour.
-  }
-  const float prominence = side(nearer) - std::max(before, behind);
-  const float significant = prominence / (geometry_.noiseOfCurvature(nearer) * kSignificance);
-  return std::max(0.0f, std::min(at.most, significant));
+  float before = 0, behind = 0;
+  if (!curvatureAside(geometry_, nearer, at.screen, 1.0f, side, before)) return;
+  if (!curvatureAside(geometry_, nearer, at.screen, -1.0f, side, behind)) return;
+  const auto prominence = static_cast<float>(lineProminence(side(nearer), before, behind));
+  vertex.size = at.most;
+  vertex.significance = geometry_.significance(prominence, nearer);
+  vertex.sharpness = side(nearer);
 }
 
 RadialField::RadialField(const PixelGeometry& geometry, float least_derivative, int threads)
@@ -290,18 +302,24 @@ float RadialField::mostBetween(const FieldRow&, std::size_t, const FieldRow&, st
   return std::numeric_limits<float>::infinity();
 }
 
-/** The derivative of the curvature towards the viewer along the surface, against the least and
- * against what noise makes of it. */
-float RadialField::strength(const ZeroCrossing& at, std::size_t nearer, int) const {
+/** By the derivative of the curvature along the surface towards the viewer. Beside an edge that a
+ * leaf cannot follow its radial curvature changes sign as well: the leaf counts less there. */
+void RadialField::measure(const ZeroCrossing& at, std::size_t nearer, int,
+                          LineVertex& vertex) const {
   const float step = geometry_.differenceStep(nearer, at.screen);
   const auto read = [&](std::size_t pixel) { return map_[pixel]; };
   float before, behind;
-  if (!geometry_.sampleBothWays(nearer, at.screen, step, read, before, behind)) return 0;
-  const float derivative = (before - behind) / (2.0f * step);
-  const float rise = kProminence * geometry_.buffer().radius[nearer] * derivative;
-  const float significant = rise / (geometry_.noiseOfCurvature(nearer) * kSignificance);
-  return std::max(0.0f, std::min(derivative / least_derivative_, significant));
+  if (!geometry_.sampleBothWays(nearer, at.screen, step, read, before, behind)) return;
+  const float derivative = std::max(0.0f, (before - behind) / (2.0f * step));
+  const float reach = LineSignificance::kAside * geometry_.buffer().radius[nearer];
+  vertex.size = derivative / least_derivative_;
+  vertex.significance = geometry_.significance(reach * derivative, nearer) * geometry_.fit(nearer);
+  vertex.sharpness = std::sqrt(derivative);
 }
+
+constexpr double kLeastStrength = 1.25;     ///< of a line that is chosen automatically
+constexpr double kLeastCurvature = 2.0;    ///< of it [1/L]: flatter is the shape, not a line on it
+constexpr double kLeastDerivative = 15.0;  ///< of it [1/L^2]
 
 Error checkBuffer(const GBuffer& buffer, const Camera& camera, const PictureLineParams& params) {
   if (buffer.width != camera.size.width || buffer.height != camera.size.height)
@@ -328,21 +346,26 @@ Result<std::vector<PictureLine>> findPictureLines(const GBuffer& buffer, const C
   const PixelGeometry geometry(buffer, camera, surface);
   const double unit = 1.0 / geometry.diagonal();
   std::vector<PictureLine> lines;
-  const auto keep = [&](const ZeroTracer& tracer, int field_kind, PictureLineKind kind) {
-    keepStrong(tracer.lines(field_kind, params.min_length, threads), kind, params.min_length,
-               lines);
+  const auto keep = [&](const ZeroTracer& tracer, int field_kind, PictureLineKind kind,
+                        bool automatic) {
+    LineRule rule;
+    rule.least_length = params.min_length;
+    rule.least_strength = automatic ? kLeastStrength : 0.0;
+    keepStrong(tracer.lines(field_kind, params.min_length, threads), kind, rule, lines);
   };
   if (params.suggestive) {
-    const auto least = static_cast<float>(params.suggestive_derivative * unit * unit);
-    const RadialField field(geometry, least, threads);
-    keep(ZeroTracer(field, threads), 1, PictureLineKind::kSuggestive);
+    const bool automatic = params.suggestive_derivative == 0.0;
+    const double least = automatic ? kLeastDerivative : params.suggestive_derivative;
+    const RadialField field(geometry, static_cast<float>(least * unit * unit), threads);
+    keep(ZeroTracer(field, threads), 1, PictureLineKind::kSuggestive, automatic);
   }
   if (params.crest) {
-    const auto least = static_cast<float>(params.crest_curvature * unit);
-    const CrestField field(geometry, least, threads);
+    const bool automatic = params.crest_curvature == 0.0;
+    const double least = automatic ? kLeastCurvature : params.crest_curvature;
+    const CrestField field(geometry, static_cast<float>(least * unit), threads);
     const ZeroTracer tracer(field, threads);
-    keep(tracer, CrestField::kRavine, PictureLineKind::kRavine);
-    keep(tracer, CrestField::kRidge, PictureLineKind::kRidge);
+    keep(tracer, CrestField::kRavine, PictureLineKind::kRavine, automatic);
+    keep(tracer, CrestField::kRidge, PictureLineKind::kRidge, automatic);
   }
   if (params.contour) traceContours(geometry, params.min_length, threads, lines);
   return lines;

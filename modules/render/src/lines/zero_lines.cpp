@@ -13,13 +13,9 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kDepthStep = 0.03;       ///< [L]
-constexpr double kStorePrecision = 1e-9;  ///< [L]
-/** Noise of curvature is 60 sigma / (r^2 sqrt(n_eff)): measured on spheres and tori. */
-constexpr double kNoiseFactor = 60;
+constexpr double kDepthStep = 0.03;  ///< [L]
 constexpr float kStep = 2.0f;        ///< pixels over which k is differenced, at least
 constexpr float kRadiusStep = 0.1f;  ///< of the leaf's radius, at least
-constexpr float kMostStep = 24.0f;   ///< pixels, at most
 
 std::array<float, 3> toFloat(const Vector3& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
@@ -34,7 +30,7 @@ PixelGeometry::PixelGeometry(const GBuffer& buffer, const Camera& camera,
       rays_(camera, surface.info.origin, surface.info.scale),
       perspective_(camera.projection == Camera::Projection::kPerspective),
       diagonal_(surface.info.diagonal),
-      sigma_(std::max(std::sqrt(std::max(surface.info.lambda, 0.0)), kStorePrecision) * diagonal_),
+      noise_(surface.info),
       step_(static_cast<float>(kDepthStep * diagonal_)) {
   const CameraAxes axes(camera);
   right_ = toFloat(axes.right);
@@ -85,13 +81,20 @@ float PixelGeometry::depthOfPlane(std::size_t pixel, int x, int y, int other_x, 
 float PixelGeometry::differenceStep(std::size_t pixel, const Pixel2& screen) const {
   const float pixels = std::sqrt(screen[0] * screen[0] + screen[1] * screen[1]);
   const float step = std::max(kStep, kRadiusStep * buffer_.radius[pixel] * pixels);
-  return std::min(step, kMostStep) / pixels;
+  return step / pixels;
 }
 
-float PixelGeometry::noiseOfCurvature(std::size_t pixel) const {
+float PixelGeometry::significance(float difference, std::size_t pixel) const {
   const std::uint32_t leaf = buffer_.surfel[pixel];
-  const double r = surface_.radius[leaf], n = std::max(1.0f, surface_.effective_count[leaf]);
-  return static_cast<float>(kNoiseFactor * sigma_ / (r * r * std::sqrt(n)));
+  const double count = std::max(1.0f, surface_.effective_count[leaf]);
+  return static_cast<float>(noise_.significance(difference, surface_.radius[leaf], count));
+}
+
+Vector3 PixelGeometry::position(float x, float y, float depth) const {
+  const auto [left, top] = rays_.inPlane(0, 0);
+  const Vector3 plane = {left + double{x} * rays_.pixel(), top - double{y} * rays_.pixel(), 1.0};
+  if (!perspective_) return {plane[0], plane[1], depth};
+  return scaled(plane, depth / pcl_slim::length(plane));
 }
 
 namespace {
@@ -221,7 +224,6 @@ std::vector<Chain> joinLinks(const std::vector<Link>& links, std::size_t num_joi
 
 namespace {
 
-constexpr float kReach = 2.0f;  ///< strength that a line has somewhere
 constexpr std::size_t kBandRows = 16;
 constexpr double kLongestLink = 1.4143;  ///< pixels: across a cell
 constexpr float kNowhere = -1.0f;
@@ -342,9 +344,16 @@ void ZeroTracer::addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) con
   const bool down = at.edge % 2 != 0;
   const std::uint32_t row = a / width;
   const auto x = static_cast<float>(a % width), y = static_cast<float>(row);
-  const std::uint32_t nearer = at.share < 0.5f ? a : a + (down ? width : 1);
-  const float strength = at.most < 1.0f ? 0.0f : field_.strength(at, nearer, kind);
-  line.vertices.push_back({down ? x : x + at.share, down ? y + at.share : y, strength});
+  const std::uint32_t b = a + (down ? width : 1), nearer = at.share < 0.5f ? a : b;
+  const PixelGeometry& geometry = field_.geometry();
+  const std::vector<float>& depth = geometry.buffer().depth;
+  LineVertex& vertex = line.vertices.emplace_back();
+  vertex.x = down ? x : x + at.share;
+  vertex.y = down ? y + at.share : y;
+  vertex.radius = geometry.buffer().radius[nearer];
+  vertex.position =
+      geometry.position(vertex.x, vertex.y, depth[a] + at.share * (depth[b] - depth[a]));
+  if (at.most >= 1.0f) field_.measure(at, nearer, kind, vertex);
 }
 
 std::vector<ZeroLine> ZeroTracer::lines(int kind, double least_length, int threads) const {
@@ -367,67 +376,13 @@ std::vector<ZeroLine> ZeroTracer::lines(int kind, double least_length, int threa
     const auto& joints = chains[i].joints;
     if (kLongestLink * static_cast<double>(joints.size() - 1) < least_length) return;
     const bool reaches = std::any_of(joints.begin(), joints.end(), [&](std::uint32_t joint) {
-      return crossings[joint].most >= kReach;
+      return crossings[joint].most >= kReachedSize;
     });
     if (!reaches) return;
     lines[i].closed = chains[i].closed;
     for (const std::uint32_t joint : joints) addVertex(crossings[joint], kind, lines[i]);
   });
   return lines;
-}
-
-namespace {
-
-/** Appends vertices [begin, end) of a line as a line of its own, if it is long and strong enough.
- */
-void keepStretch(const std::vector<LineVertex>& vertices, std::size_t begin, std::size_t end,
-                 PictureLine line, double least_length, std::vector<PictureLine>& lines) {
-  double length = 0;
-  float strongest = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const LineVertex& v = vertices[i];
-    if (i > begin) {
-      const float dx = v.x - vertices[i - 1].x, dy = v.y - vertices[i - 1].y;
-      length += std::sqrt(dx * dx + dy * dy);
-    }
-    strongest = std::max(strongest, v.strength);
-  }
-  if (!(strongest >= kReach && length >= least_length)) return;
-  for (std::size_t i = begin; i < end; ++i) {
-    line.points.push_back({vertices[i].x, vertices[i].y});
-    line.strength.push_back(vertices[i].strength);
-  }
-  lines.push_back(std::move(line));
-}
-
-/** A closed line, opened at a vertex that is not kept, if there is one. */
-ZeroLine opened(ZeroLine line) {
-  for (std::size_t i = 0; line.closed && i < line.vertices.size(); ++i) {
-    if (line.vertices[i].strength >= 1.0f) continue;
-    std::rotate(line.vertices.begin(), line.vertices.begin() + static_cast<std::ptrdiff_t>(i),
-                line.vertices.end());
-    line.closed = false;
-  }
-  return line;
-}
-
-}  // namespace
-
-void keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
-                std::vector<PictureLine>& lines) {
-  for (ZeroLine& zero : zeros) {
-    const ZeroLine line = opened(std::move(zero));
-    PictureLine kept;
-    kept.kind = kind;
-    kept.closed = line.closed;
-    const std::size_t count = line.vertices.size();
-    for (std::size_t begin = 0; begin < count;) {
-      std::size_t end = begin;
-      while (end < count && line.vertices[end].strength >= 1.0f) ++end;
-      if (end > begin) keepStretch(line.vertices, begin, end, kept, least_length, lines);
-      begin = end + 1;
-    }
-  }
 }
 
 }  // namespace pcl_slim::detail

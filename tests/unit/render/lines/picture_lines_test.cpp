@@ -167,7 +167,7 @@ TEST(PictureLines, MistakesAreNamed) {
   ExactView view("sphere", 20, 16);
   view.render();
   PictureLineParams params = every();
-  params.crest_curvature = 0;
+  params.crest_curvature = -1;
   EXPECT_FALSE(findPictureLines(view.buffer, view.camera, view.surface, params));
   GBuffer bare;
   bare.resize(20, 16, 0);

@@ -9,6 +9,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
+#include "pcl_slim/query/line_significance.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -23,10 +24,10 @@ struct PCL_SLIM_EXPORT CrestParams {
   bool ridges = true;
   bool ravines = true;
   /** Lines are kept where their prominence is this many deviations of the noise ... */
-  double significance = 2.0;
+  double significance = LineSignificance().everywhere;
   /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least
    * significance. Noise alone makes an RMS of 1 to 2. */
-  double peak_significance = 6.5;
+  double peak_significance = LineSignificance().somewhere;
   double min_strength =
       0.0;                  ///< integral of |k| ds of a line, no unit; selects the important lines
   double min_length = 0.3;  ///< of a line, in mean radii of the leaves along it

@@ -34,8 +34,8 @@ struct PictureLine {
 /** \brief Which lines are looked for and which are kept. */
 struct PCL_SLIM_EXPORT PictureLineParams {
   bool crest = false, suggestive = false, contour = false;
-  double crest_curvature = 2.0;       ///< least curvature of a crest line [1/L], > 0
-  double suggestive_derivative = 15;  ///< least derivative of radial curvature [1/L^2], > 0
+  double crest_curvature = 0;        ///< least curvature of a crest line [1/L]; 0: automatic
+  double suggestive_derivative = 0;  ///< least derivative of radial curvature [1/L^2]; 0: automatic
   double min_length = 12;             ///< pixels, >= 0
   int threads = 0;                    ///< 0: all cores; never changes the result
 
