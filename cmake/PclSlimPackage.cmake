@@ -97,6 +97,7 @@ function(pcl_slim_install_package)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_slim COMPONENT development)
   pcl_slim_install_pkg_config("${components}")
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
+    ${PROJECT_SOURCE_DIR}/modules/render/src/text/LICENSE.dejavu
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)

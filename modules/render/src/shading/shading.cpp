@@ -12,6 +12,7 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/detail/bar_text.h"
 #include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/mesh_renderer.h"
 #include "shading/shading.h"
@@ -262,8 +263,8 @@ Error ShadingParams::validate() const {
   if (!(ambient_occlusion >= 0.0 && ambient_occlusion <= 1.0)) {
     return bad("the strength of ambient occlusion must be in [0, 1]");
   }
-  if (!std::all_of(unit.begin(), unit.end(), [](char c) { return c >= 'a' && c <= 'z'; })) {
-    return bad("the unit of length must be lower-case letters, such as mm");
+  if (!isLengthUnit(unit)) {
+    return bad("the unit of length must be up to eight letters, such as mm, µm or ft");
   }
   if (supersampling < 1 || supersampling > 8) return bad("supersampling must be 1 to 8");
   return checkThreads(threads);

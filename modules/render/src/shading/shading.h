@@ -9,6 +9,7 @@
 
 #include "pcl_slim/core/srgb.h"
 #include "pcl_slim/query/surface_probe.h"
+#include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/g_buffer.h"
@@ -37,11 +38,29 @@ inline std::uint8_t toByte(float linear) {
 /** \brief The number that a mode shows at a covered pixel, in world units. */
 double valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale);
 
+/** \brief The level at a share of a range of levels. */
+std::uint32_t levelAtShare(const ShadingRange& range, double share);
+
+/** \brief The colour of a share of the range, 0 its lower end. */
+Color colorAtShare(const ShadingParams& params, const ShadingRange& range, double share);
+
 /** \brief The colour of a value. */
 Color colorOf(const ShadingParams& params, const ShadingRange& range, double value);
 
 /** \brief Whether a picture has a shade in its hollows. */
 bool wantsAmbientOcclusion(const ShadingParams& params);
+
+/** \brief A colour bar in the margin at the right of a picture; places and sizes in pixels. Text is
+ * as large as the picture has room for, 11 pixels and more. */
+struct BarLayout {
+  double em;                     ///< size of the font
+  int left, top, width, height;  ///< of the colours
+  int paper_left, paper_top;     ///< of the paper behind them and their text
+
+  explicit BarLayout(const ImageSize& size);
+
+  bool fits = false;
+};
 
 /** \brief Fills the colours of a frame from those of a surface's leaves, at the positions and with
  * the normals of its pixels. Its index is built for the first frame with colours. */

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "shading/shading.h"
 #include "support/temporary_folder.h"
 #include "unit/render/image_pixels.h"
 #include "unit/render/sphere_view.h"
@@ -78,9 +79,10 @@ TEST(Shading, ABarShowsTheRangeInTheMargin) {
   ASSERT_TRUE(plain && barred);
   EXPECT_EQ(pixelOf(*plain, 100, 120), pixelOf(*barred, 100, 120));
   // Its upper end is the map's red, its lower one the map's blue.
-  const int x = 320 - 78 + 7;
-  const auto top = pixelOf(*barred, x, 240 / 5 + 2);
-  const auto bottom = pixelOf(*barred, x, 240 - 240 / 5 - 3);
+  const detail::BarLayout bar({320, 240});
+  const int x = bar.left + bar.width / 2;
+  const auto top = pixelOf(*barred, x, bar.top + 2);
+  const auto bottom = pixelOf(*barred, x, bar.top + bar.height - 3);
   EXPECT_GT(top[0], top[2] + 40);
   EXPECT_GT(bottom[2], bottom[0] + 40);
   params.mode = ShadingMode::kShaded;  // shows no numbers
@@ -135,15 +137,16 @@ TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture) {
   const auto barred = renderPicture(surface, camera, RenderParams(), params);
   ASSERT_TRUE(plain && barred);
   EXPECT_EQ(pixelOf(*plain, 100, 120), pixelOf(*barred, 100, 120));
-  const int x = 320 - 78 + 7;
+  const detail::BarLayout bar({320, 240});
+  const int x = bar.left + bar.width / 2;
   const auto expectColour = [&](int y, std::uint32_t level) {
     const auto pixel = pixelOf(*barred, x, y);
     const Color colour = categoryColor(level);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(pixel[k], 255.0f * colour[k], 1.0) << level;
   };
-  expectColour(240 / 5 + 4, 6);
+  expectColour(bar.top + 4, 6);
   expectColour(120, 5);  // between the two, though no leaf has it
-  expectColour(240 - 240 / 5 - 5, 4);
+  expectColour(bar.top + bar.height - 5, 4);
 }
 
 TEST(Shading, SupersamplingSmoothsTheSilhouette) {

@@ -54,7 +54,7 @@ struct PCL_SLIM_EXPORT ShadingParams {
   double percentile = 0.95;       ///< share of pixels inside an automatic range, (0, 1]
   ColorMap map = ColorMap::kAuto;
   bool color_bar = false;  ///< draw the range with its numbers and unit into the picture
-  std::string unit;        ///< of length, for the bar: lower-case letters such as mm, or none
+  std::string unit;  ///< of length, for the bar: up to eight letters such as mm or µm, or none
   double ambient_occlusion = 0.6;   ///< strength of the shade in hollows, [0, 1]
   bool gradient_background = true;  ///< soft grey gradient instead of white
   int threads = 0;                  ///< 0: all cores; never changes the result
