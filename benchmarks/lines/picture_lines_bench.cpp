@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lines in a picture: milliseconds a frame, and how far they drift over the surface when the camera
-// turns. Lines are kept from 12 pixels on, and drift is told from lines of any length: how long a
-// line is seen changes with the view.
+// turns. Drift is told from lines of any length and strength: how long a line is seen changes with
+// the view.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -91,22 +91,48 @@ double distanceTo(const PictureView& view, PictureLineKind kind, const std::arra
   return least;
 }
 
-void printDrift(const SLIMSurface& surface, const PictureView& from, const PictureView& to,
-                double degrees) {
-  const auto seen = projectLines(crestLinesInSpace(surface, from), to.buffer, to.camera, surface);
-  if (!seen) return;
+/** How far crest vertices of one view are from the nearest line of another one, pixels. */
+std::vector<double> distancesTo(const PictureView& to, const std::vector<PictureLine>& seen) {
   std::vector<double> distances;
-  for (const PictureLine& line : *seen) {
+  for (const PictureLine& line : seen) {
     for (const auto& p : line.points) distances.push_back(distanceTo(to, line.kind, p));
   }
+  return distances;
+}
+
+double percentNear(const std::vector<double>& distances) {
   const auto near =
       std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 3.0; });
-  const double share =
-      static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, distances.size()));
+  return 100.0 * static_cast<double>(near) /
+         static_cast<double>(std::max<std::size_t>(1, distances.size()));
+}
+
+/** The same view with the lines that the parameters keep. */
+Error findLines(const SLIMSurface& surface, const PictureLineParams& params, PictureView& view) {
+  auto lines = findPictureLines(view.buffer, view.camera, surface, params);
+  if (!lines) return lines.error();
+  view.lines = std::move(*lines);
+  return {};
+}
+
+/** Drift is told from lines of any length and strength; how many vertices are on a line that is
+ * kept in the other view, too, is printed as well. */
+Error printDrift(const SLIMSurface& surface, const Settings& s, const PictureView& from,
+                 double degrees, PictureView& to) {
+  const auto seen = projectLines(crestLinesInSpace(surface, from), to.buffer, to.camera, surface);
+  if (!seen) return seen.error();
+  if (Error error = findLines(surface, s.lines, to)) return error;
+  const double kept = percentNear(distancesTo(to, *seen));
+  PictureLineParams whole = s.lines;
+  whole.min_length = 0;
+  if (whole.crest_curvature == 0.0) whole.crest_curvature = 2.0;
+  if (Error error = findLines(surface, whole, to)) return error;
+  const std::vector<double> distances = distancesTo(to, *seen);
   std::printf(
       "turned by %g: %.1f %% of %zu crest vertices within 3 pixels of a line there, median %.2f "
-      "pixels\n",
-      degrees, 100.0 * share, distances.size(), measure::median(distances));
+      "pixels; %.1f %% of a line that is kept\n",
+      degrees, percentNear(distances), distances.size(), measure::median(distances), kept);
+  return {};
 }
 
 Exit run(Settings& s) {
@@ -127,12 +153,7 @@ Exit run(Settings& s) {
     PictureView other;
     other.camera = turned(view.camera, degrees);
     if (Error error = renderView(renderer, s.lines, other)) return error;
-    PictureLineParams whole = s.lines;
-    whole.min_length = 0;
-    auto lines = findPictureLines(other.buffer, other.camera, *surface, whole);
-    if (!lines) return lines.error();
-    other.lines = std::move(*lines);
-    printDrift(*surface, view, other, degrees);
+    if (Error error = printDrift(*surface, s, view, degrees, other)) return error;
   }
   return {};
 }

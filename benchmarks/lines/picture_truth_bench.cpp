@@ -48,8 +48,7 @@ OptionTable declareOptions(Settings& s) {
   options.integer("points", &s.points, 100, 10000000, "points of a cloud");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the clouds");
   options.integer("cells", &s.cells, 50, 10000, "cells a side of the grid that finds exact lines");
-  options.number("crest", &s.lines.crest_curvature, 0, 1e6,
-                 "least curvature [1/L]; 0: automatic");
+  options.number("crest", &s.lines.crest_curvature, 0, 1e6, "least curvature [1/L]; 0: automatic");
   options.integer("width", &s.width, 16, 8192, "pixels");
   options.integer("height", &s.height, 16, 8192, "pixels");
   options.text("picture", &s.picture, "PREFIX", "draw the lines of each first view");

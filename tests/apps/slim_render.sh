@@ -236,7 +236,7 @@ expect 2 'holds no camera' pcl_slim_render surface.slim x.png -camera report.jso
 expect 2 'range' pcl_slim_render surface.slim x.png -mode mean -range 3,-3
 expect 2 'range' pcl_slim_render surface.slim x.png -mode size -range 3
 expect 2 'positive' pcl_slim_render surface.slim x.png -mode size -range -3,3
-expect 2 'lower-case' pcl_slim_render surface.slim x.png -unit MM
+expect 2 'letters' pcl_slim_render surface.slim x.png -unit m2
 expect 2 'differ' pcl_slim_render surface.slim x.png -camera 1,2,3,1,2,3,0,0,1
 expect 2 'colour' pcl_slim_render surface.slim x.png -colour 1
 expect 1 'no/such' pcl_slim_render surface.slim no/such/x.png

@@ -71,7 +71,10 @@ void keepPart(const Stretch& stretch, const std::vector<float>& significance, st
   if (!(pixels >= rule.least_length && strength >= rule.least_strength)) return;
   if (!(length >= kLeastRadii * radius)) return;
   constexpr auto kLeast = static_cast<float>(kSignificance.everywhere);
-  const double whole = rule.least_strength > 0 ? strength / rule.least_strength : HUGE_VAL;
+  // A line just above a threshold is drawn finely: its neighbour, or it in the next view, may be
+  // just below. Twice the least significance makes the full width.
+  double whole = 1.0 + 3.0 * (peak / kSignificance.somewhere - 1.0);
+  if (rule.least_strength > 0) whole = std::min(whole, strength / rule.least_strength);
   for (std::size_t i = begin; i < end; ++i) {
     const LineVertex& v = stretch.vertices[i];
     line.points.push_back({v.x, v.y});
