@@ -58,10 +58,11 @@ void LineRequest::declare(OptionTable& table) {
   table.text("line_file", &file, "FILE.pcd|.ply",
              "lines of pcl_slim_lines to draw where they are seen");
   table.number("line_width", &width, 0.1, 100, "width of strong lines, pixels");
-  table.number("line_curvature", &curvature, 0, 1e9,
-               "least curvature of crest lines, 1/L; 0: automatic");
-  table.number("line_slope", &slope, 0, 1e12,
-               "least growth of radial curvature on suggestive contours, 1/L^2; 0: automatic");
+  table.number("line_curvature", &curvature, 1e-6, 1e9,
+               "least curvature of crest lines, 1/L; auto: by their integral of it", "auto");
+  table.number("line_slope", &slope, 1e-6, 1e12,
+               "least growth of radial curvature on suggestive contours, 1/L^2; auto: likewise",
+               "auto");
   table.number("line_length", &length, 0, 1e6, "least length of a line, pixels");
 }
 

@@ -18,7 +18,7 @@ void PictureRequest::declareColors(OptionTable& table) {
       "picture's without outliers");
   table.choice("map", &map, {"auto", "diverging", "perceptual"}, "colours of numbers");
   table.toggle("bar", &bar, "draw the colours with their numbers and unit into the picture");
-  table.text("unit", &unit, "NAME", "unit of length that -bar names, such as mm");
+  table.text("unit", &unit, "NAME", "unit of length that -bar names, such as mm, µm or ft");
   table.toggle("lighting", &lighting, "light on the colours");
 }
 
