@@ -259,26 +259,28 @@ float CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow&
 
 constexpr float kNearer = 0.5f;  ///< of the way aside, where the rest of it is hidden
 
-/** Curvature aside of a pixel. What is hidden or beyond a border is not known.
+/** Curvature aside of a pixel. What is hidden or beyond a border is not known: it counts as equal to
+ * the pixel's, and what is seen on the other side counts half.
  * \param[in] way 1 or -1 along the tangent */
-bool curvatureAside(const PixelGeometry& geometry, std::size_t pixel, const Pixel2& screen,
-                    float way, const Side& side, float& k) {
+float curvatureAside(const PixelGeometry& geometry, std::size_t pixel, const Pixel2& screen,
+                     float way, const Side& side) {
   const auto reach =
       static_cast<float>(LineSignificance::kAside) * way * geometry.buffer().radius[pixel];
-  return geometry.sampleAside(pixel, screen, reach, side, k) ||
-         geometry.sampleAside(pixel, screen, kNearer * reach, side, k);
+  float k = 0;
+  const bool known = geometry.sampleAside(pixel, screen, reach, side, k) ||
+                     geometry.sampleAside(pixel, screen, kNearer * reach, side, k);
+  return known ? k : side(pixel);
 }
 
 void CrestField::measure(const ZeroCrossing& at, std::size_t nearer, int kind,
                          LineVertex& vertex) const {
   const Side side{map_, kind == kRidge ? 1.0f : -1.0f};
-  float before = 0, behind = 0;
-  if (!curvatureAside(geometry_, nearer, at.screen, 1.0f, side, before)) return;
-  if (!curvatureAside(geometry_, nearer, at.screen, -1.0f, side, behind)) return;
-  const auto prominence = static_cast<float>(lineProminence(side(nearer), before, behind));
+  const float before = curvatureAside(geometry_, nearer, at.screen, 1.0f, side);
+  const float behind = curvatureAside(geometry_, nearer, at.screen, -1.0f, side);
   vertex.size = at.most;
-  vertex.significance = geometry_.significance(prominence, nearer);
   vertex.sharpness = side(nearer);
+  const double prominence = lineProminence(vertex.sharpness, before, behind);
+  vertex.significance = geometry_.significance(static_cast<float>(prominence), nearer);
 }
 
 RadialField::RadialField(const PixelGeometry& geometry, float least_derivative, int threads)
@@ -317,7 +319,7 @@ void RadialField::measure(const ZeroCrossing& at, std::size_t nearer, int,
   vertex.sharpness = std::sqrt(derivative);
 }
 
-constexpr double kLeastStrength = 1.25;     ///< of a line that is chosen automatically
+constexpr double kLeastStrength = 1.25;    ///< of a line that is chosen automatically
 constexpr double kLeastCurvature = 2.0;    ///< of it [1/L]: flatter is the shape, not a line on it
 constexpr double kLeastDerivative = 15.0;  ///< of it [1/L^2]
 
