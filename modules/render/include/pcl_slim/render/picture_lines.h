@@ -36,8 +36,8 @@ struct PCL_SLIM_EXPORT PictureLineParams {
   bool crest = false, suggestive = false, contour = false;
   double crest_curvature = 0;        ///< least curvature of a crest line [1/L]; 0: automatic
   double suggestive_derivative = 0;  ///< least derivative of radial curvature [1/L^2]; 0: automatic
-  double min_length = 12;             ///< pixels, >= 0
-  int threads = 0;                    ///< 0: all cores; never changes the result
+  double min_length = 12;            ///< pixels, >= 0
+  int threads = 0;                   ///< 0: all cores; never changes the result
 
   /** \brief Names the first parameter out of range. */
   Error validate() const;
