@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A camera that orbits, in a model's local units and in double.
+import {centerOf, cornersOf} from './box.js';
 import {along, cross, dot, length, minus, scaled, unit} from './vectors.js';
+
+const MARGIN = 1.06, USUAL_FOV = 30;
 
 /** v turned about a unit axis. */
 function turned(v, axis, angle) {
@@ -16,7 +19,7 @@ export class Camera {
     this.target = local(given.look_at);
     this.up = unit(given.up);
     this.turn = unit(turn);
-    this.fov = given.fov || 0;
+    this.fov = given.fov || USUAL_FOV;
     this.height = (given.height || 0) / scale;
     this.aspect = given.aspect;
     this.share = 1;  // of a picture's height that the object is framed in
@@ -30,10 +33,15 @@ export class Camera {
     return [right, cross(right, forward), forward];
   }
 
+  /** Half of a picture's height at unit depth. */
+  slope() { return Math.tan(this.fov * Math.PI / 360); }
+
+  depth(point) { return dot(minus(point, this.position), this.axes()[2]); }
+
   /** A pixel's length at unit depth, or everywhere in parallel projection. What was framed stays in narrower
    * pictures. */
   pixel(width, height) {
-    const tall = this.height || 2 * Math.tan(this.fov * Math.PI / 360);
+    const tall = this.height || 2 * this.slope();
     return tall * Math.max(1 / (this.share * height), this.aspect / width);
   }
 
@@ -78,8 +86,8 @@ export class Camera {
 
   /** Moves so that a point follows a step in pixels. */
   pan(pivot, dx, dy, width, height) {
-    const [right, up, forward] = this.axes();
-    const pixel = this.pixel(width, height) * (this.height ? 1 : dot(minus(pivot, this.position), forward));
+    const [right, up] = this.axes();
+    const pixel = this.pixel(width, height) * (this.height ? 1 : this.depth(pivot));
     this.move(along(scaled(right, -dx * pixel), dy * pixel, up));
   }
 
@@ -93,5 +101,42 @@ export class Camera {
     const forward = this.axes()[2], away = length(minus(point, this.position));
     this.position = along(point, -away, forward);
     this.target = point;
+  }
+  /** Looks at a box from a side that pcl_slim_render -view names, relative to the direction of `turn`; the box fills
+   * a picture of these pixels. */
+  view(name, box, width, height) {
+    const up = this.turn, aside = Math.abs(up[0]) > 0.9 ? [0, 0, -Math.sign(up[0])] : [1, 0, 0];
+    const right = unit(along(aside, -dot(aside, up), up)), front = cross(right, up);
+    const [eye, top] = {
+      front: [front, up], back: [scaled(front, -1), up], left: [scaled(right, -1), up], right: [right, up],
+      top: [up, scaled(front, -1)], bottom: [scaled(up, -1), front],
+    }[name];
+    const slope = this.slope(), widest = width / (this.share * height), across = cross(top, eye);
+    const corners = cornersOf(box).map(c => [Math.abs(dot(c, across)), Math.abs(dot(c, top)), -dot(c, eye)]);
+    const half = Math.max(...corners.map(([x, y]) => Math.max(x / widest, y))) * MARGIN;
+    const away = Math.max(...corners.map(([x, y, z]) => MARGIN * Math.max(x / widest, y) / slope - z));
+    const reach = this.height ? Math.max(half / slope, 2 * length(cornersOf(box)[0])) : away;
+    this.aspect = this.height ? Math.max(...corners.map(([x]) => x)) * MARGIN / half :
+      Math.max(...corners.map(([x, , z]) => x * MARGIN / (away + z))) / slope;
+    if (this.height) this.height = 2 * half;
+    this.target = centerOf(box);
+    this.position = along(this.target, reach, eye);
+    this.up = top;
+  }
+
+  /** Parallel projection, or perspective: what is at a point's depth keeps its place and size. ball: around the
+   * object, all of which is in front of an eye outside */
+  setParallel(parallel, point, ball) {
+    if (parallel === !!this.height) return;
+    const forward = this.axes()[2], size = 2 * this.slope();
+    let step = 0;
+    if (parallel) {
+      this.height = size * Math.max(1e-9, this.depth(point));
+      if (length(minus(ball.center, this.position)) > ball.radius) step = Math.min(0, this.depth(ball.center) - 1.01 * ball.radius);
+    } else {
+      step = this.depth(point) - this.height / size;
+      this.height = 0;
+    }
+    this.move(scaled(forward, step));
   }
 }

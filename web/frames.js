@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What frames of surfaces and splats have in common in WebGL 2: programs, targets, colours, lines over them.
 
+import {within} from './box.js';
+import {along, minus, scaled} from './vectors.js';
+
 export const NOTHING = 3e38;
 const ROW = 2048;
 
@@ -120,12 +123,16 @@ export class Frames {
     Object.assign(this, {gl, model, unit, page, attributes, programs: {}});
     this.canAddFloats = !!gl.getExtension('EXT_float_blend');
     this.exact = false;  // sums in 32 bits: half floats take half the memory, and normals .03 degrees
-    this.linePieces = this.packLines(page.lines);
+    this.packLines(null);
   }
 
-  compile(texts) {
+  /** Programs by name; those in `later` when they are first drawn with. */
+  compile(texts, later) {
     for (const [name, pair] of Object.entries(texts)) this.programs[name] = new Program(this.gl, pair);
+    this.later = later;
   }
+
+  program(name) { return this.programs[name] ||= new Program(this.gl, this.later[name]); }
 
   dataTexture(data, channels, internal, format, type) {
     const gl = this.gl, texture = gl.createTexture(), rows = Math.max(1, Math.ceil(data.length / channels / ROW));
@@ -141,7 +148,8 @@ export class Frames {
   vertices(data, attributes, stride) {
     const gl = this.gl, array = gl.createVertexArray();
     gl.bindVertexArray(array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    array.buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, array.buffer);
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
     attributes.forEach(([size, offset], place) => {
       gl.enableVertexAttribArray(place);
@@ -152,13 +160,23 @@ export class Frames {
     return array;
   }
 
-  packLines(lines) {
-    const data = [];
-    for (const [kind, ...numbers] of lines) {
-      const at = k => numbers.slice(k, k + 3).map(x => x / this.unit);
-      for (let k = 0; k + 5 < numbers.length; k += 3) data.push(...at(k), kind, ...at(k + 3));
+  /** The pieces of the page's lines that are in a box, or all of them. */
+  packLines(box) {
+    const data = [], {gl, linePieces: old} = this;
+    for (const [kind, ...numbers] of this.page.lines) {
+      for (let k = 0; k + 5 < numbers.length; k += 3) {
+        const from = numbers.slice(k, k + 3), run = minus(numbers.slice(k + 3, k + 6), from);
+        const part = box ? within(box, from, run, 0, 1) : [0, 1];
+        if (!part) continue;
+        const [a, b] = part.map(t => scaled(along(from, t, run), 1 / this.unit));
+        data.push(...a, kind, ...b);
+      }
     }
-    return {count: data.length / 7, array: this.vertices(new Float32Array(data), [[4, 0], [3, 16]], 28)};
+    if (old) {
+      gl.deleteBuffer(old.array.buffer);
+      gl.deleteVertexArray(old.array);
+    }
+    this.linePieces = {count: data.length / 7, array: this.vertices(new Float32Array(data), [[4, 0], [3, 16]], 28)};
   }
 
   resize(width, height) {
@@ -179,6 +197,7 @@ export class Frames {
     const eye = camera.position.map(x => x / this.unit), parallel = camera.height > 0;
     const pixel = camera.pixel(width, height) / (parallel ? this.unit : 1);
     const box = model.bounds, away = Math.hypot(...box.center.map((c, k) => c / this.unit - eye[k]));
+    this.eye = camera.position;
     this.values = {
       slimEye: eye, slimEyeRest: eye.map(x => x - Math.fround(x)), slimAxes: [...right, ...up, ...forward],
       slimScreen: [pixel, width, height, parallel ? 1 : 0], slimShift: shift,
@@ -199,8 +218,27 @@ export class Frames {
   }
 
   drawFrame(program, textures, values = {}) {
-    this.programs[program].use({...this.values, ...values}, textures);
+    this.program(program).use({...this.values, ...values}, textures);
     this.gl.drawArrays(this.gl.TRIANGLE_STRIP, 0, 4);
+  }
+
+  /** Where rays enter a box, into a texture. */
+  enterBox(box, frame) {
+    const [slimLow, slimHigh] = box.map(corner => scaled(minus(corner, this.eye), 1 / this.unit));
+    Object.assign(this.values, {slimLow, slimHigh});
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, frame);
+    this.drawFrame('box', {});
+  }
+
+  /** Where they leave it, into the depths of the bound frame: nothing behind it is met. */
+  leaveBox() {
+    const gl = this.gl;
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.ALWAYS);
+    gl.colorMask(false, false, false, false);
+    this.drawFrame('box', {});
+    gl.colorMask(true, true, true, true);
+    gl.disable(gl.DEPTH_TEST);
   }
 
   /** Adds the frame's colours to the samples, or takes their place. look: mode, table, range, ... */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a ray meets of a surface, in double: modules/render/src/tiles/leaf_on_ray.cpp, leaf by leaf.
+import {within} from './box.js';
 import {COLOR_TERMS, frameOf} from './surface.js';
 import {along, cross, dot, length, scaled, unit} from './vectors.js';
 
@@ -182,13 +183,15 @@ function colorAt(s, rules, point, normal) {
 
 /**
  * What a ray meets, in local units and in double: {depth, point, normal, kMax, kMin, leaf, color}, or null.
- * rules: the frame's constants, and front, trim, near. O(leaves).
+ * rules: the frame's constants, and front, trim, near and clip, a box or nothing. O(leaves).
  */
 export function cast(s, rules, eye, direction) {
-  let nearest = rules.near;
+  const part = rules.clip ? within(rules.clip, eye, direction, rules.near) : [rules.near, Infinity];
+  if (!part) return null;
+  let [nearest, end] = part;
   for (let layer = 0; layer < rules.kMaxLayers; ++layer) {
     const first = firstHit(s, rules, eye, direction, nearest);
-    if (first === Infinity) return null;
+    if (first > end || first === Infinity) return null;
     const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, leaves: 0, side: 0, largest: 0, leaf: -1,
                  offsets: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);

@@ -18,7 +18,8 @@ export class SurfaceFrames extends Frames {
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
     this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
-    this.compile(surfacePrograms(page.constants));
+    const {box, ...programs} = surfacePrograms(page.constants);
+    this.compile(programs, {box});
     this.query = gl.createQuery();
   }
 
@@ -33,7 +34,8 @@ export class SurfaceFrames extends Frames {
       slimTrimmed: +(rules.trim && s.trimmed), slimMinCoverage: s.coverThreshold, slimOriented: s.oriented,
       slimMargin: 0.001, slimColorAt: this.colorAt,
     });
-    this.clear(this.targets.into.nearest[0], [this.values.slimNear, 0, 0, 0]);
+    const nearest = this.targets.into.nearest[0];
+    if (rules.clip) this.enterBox(rules.clip, nearest); else this.clear(nearest, [this.values.slimNear, 0, 0, 0]);
   }
 
   drawHulls(program, reach, first, textures, values = {}) {
@@ -59,6 +61,7 @@ export class SurfaceFrames extends Frames {
     const nearest = {slimNearest: t.nearest[from]};
     this.clear(t.into.first, [NOTHING, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    if (this.rules.clip) this.leaveBox();
     gl.depthFunc(gl.LESS);
     this.drawHulls('first', this.reach, 1, nearest);
 

@@ -159,6 +159,23 @@ void main()
 }
 `;
 
+/** Rays through the clipping box: where they enter it, and as depth where they leave it. */
+const BOX = `
+uniform vec3 slimLow, slimHigh;  // corners relative to the eye
+uniform float slimNear, slimFar;
+void main()
+{
+  vec2 slopes = slimSlopes();
+  vec3 direction = slimDirection(slopes), aside = slimScreen.w > 0.0 ? slimAxes * vec3(slopes, 0.0) : vec3(0.0);
+  direction = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
+  vec3 low = (slimLow - aside) / direction, high = (slimHigh - aside) / direction;
+  vec3 begins = min(low, high), ends = max(low, high);
+  float begin = max(max(begins.x, begins.y), max(begins.z, slimNear)), end = min(ends.x, min(ends.y, ends.z));
+  slimOut[0] = vec4(begin < end ? begin : 1e30);
+  gl_FragDepth = begin < end ? clamp(end / slimFar, 0.0, 1.0) : 0.0;
+}
+`;
+
 /** The mean of the samples, on the canvas, whose rows begin at the bottom. */
 const PRESENT = `
 uniform sampler2D slimColors;
@@ -238,6 +255,7 @@ export function surfacePrograms(constants) {
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],
     shade: [frame, ofFrame(1, camera, GEOMETRY, SHARED.kSrgb, SHARED.kLight, SHADE)],
     present: [frame, ofFrame(1, SHARED.kSrgb, PRESENT)],
+    box: [frame, ofFrame(1, camera, BOX)],
     lines: [head + vertexCamera + LINE_VERTEX, ofFrame(1, LINE)],
   };
 }

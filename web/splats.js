@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coloured discs: their columns, their frames (first discs, then what lies shortly behind them, blended, as
 // modules/render/src/discs does it) and what a ray meets.
+import {within} from './box.js';
 import {Frames, NOTHING} from './frames.js';
 import {HEAD, OUTPUTS, surfacePrograms} from './shaders.js';
 import {frameOf, octNormal, Planes} from './surface.js';
@@ -27,7 +28,7 @@ export function decodeSplats(bytes) {
   return s;
 }
 
-const DISC = `
+const DISC = begin => `
 const float kHalfDiagonal = 0.70710678;
 const float kTolerance = 0.5;  // radii behind the first disc that still blend
 flat in int slimDisc;
@@ -54,7 +55,7 @@ bool slimMeets(vec4 ball, vec3 normal, vec3 direction, vec2 slopes, float pixel,
   hit.square = min(hit.square, dot(aside, aside) / (filtered * filtered));
   hit.cosine = abs(facing);
   hit.front = facing <= 0.0;
-  return hit.square < 1.0 && hit.depth > slimNear;
+  return hit.square < 1.0 && hit.depth > ${begin};
 }
 `;
 
@@ -81,9 +82,11 @@ void main()
 }
 `;
 
-const FIRST = `
+/** What a disc's pixel first meets; begin: where rays begin. */
+const FIRST = begin => `
 uniform float slimNear, slimFar;
-${DISC}
+uniform sampler2D slimNearest;
+${DISC(begin)}
 void main()
 {
   vec2 slopes = slimSlopes();
@@ -97,11 +100,11 @@ void main()
 }
 `;
 
-const BLEND = `
+const BLEND = begin => `
 uniform float slimNear;
 uniform int slimFrontOnly;
-uniform sampler2D slimFirst, slimNamed;
-${DISC}
+uniform sampler2D slimFirst, slimNamed, slimNearest;
+${DISC(begin)}
 void main()
 {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -151,11 +154,12 @@ export class SplatFrames extends Frames {
     super(gl, splats, 2 ** Math.round(Math.log2(radii[radii.length >> 1] || 1)), page, gl.RGBA16F);
     this.rules = rules;
     this.discs = this.dataTexture(this.texels(), 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
-    const {shade, present, lines} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
+    const {shade, present, lines, box} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
     const camera = shade[1].slice(shade[1].indexOf('uniform vec3 slimEye;'), shade[1].indexOf('uniform sampler2D slimGeometry'));
     const vertex = head + camera.slice(0, camera.indexOf('vec2 slimSlopes')) + VERTEX;
-    this.compile({shade, present, lines, first: [vertex, head + OUTPUTS(2) + camera + FIRST],
-                  blend: [vertex, head + OUTPUTS(5) + camera + BLEND], result: [frame, head + OUTPUTS(3) + RESULT]});
+    const passes = begin => [[vertex, head + OUTPUTS(2) + camera + FIRST(begin)], [vertex, head + OUTPUTS(5) + camera + BLEND(begin)]];
+    const [first, blend] = passes('slimNear'), [firstInBox, blendInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
+    this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, firstInBox, blendInBox});
   }
 
   /** Centre and radius; normal; u axis and change of blue along u; colour and change of blue along v; other changes. */
@@ -173,10 +177,12 @@ export class SplatFrames extends Frames {
   begin(camera, width, height, shift) {
     super.begin(camera, width, height, shift);
     this.values.slimFrontOnly = +this.rules.front;
+    if (this.rules.clip) this.enterBox(this.rules.clip, this.targets.into.nearest[0]);
   }
 
   drawDiscs(program, textures) {
-    this.programs[program].use(this.values, {slimLeaves: this.discs, ...textures});
+    const {clip} = this.rules, slimNearest = this.targets.nearest[0];
+    this.program(clip ? `${program}InBox` : program).use(this.values, {slimLeaves: this.discs, ...clip && {slimNearest}, ...textures});
     this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 4, this.model.count);
   }
 
@@ -185,6 +191,7 @@ export class SplatFrames extends Frames {
     ++this.round;
     this.clear(t.into.firstNamed, [NOTHING, 0, 0, 0], [0, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    if (this.rules.clip) this.leaveBox();
     gl.depthFunc(gl.LESS);
     gl.enable(gl.DEPTH_TEST);
     this.drawDiscs('first', {});
@@ -206,11 +213,13 @@ export class SplatFrames extends Frames {
 
 /** The first disc on a ray: {depth, point, normal, leaf}, or null. */
 export function castSplats(s, rules, eye, direction) {
-  let depth = Infinity, leaf = -1;
+  const part = rules.clip ? within(rules.clip, eye, direction, rules.near) : [rules.near, Infinity];
+  if (!part) return null;
+  let [begin, depth] = part, leaf = -1;
   for (let i = 0; i < s.count; ++i) {
     const d = [s.x[i] - eye[0], s.y[i] - eye[1], s.z[i] - eye[2]], n = s.normal.subarray(3 * i, 3 * i + 3);
     const t = dot(n, d) / dot(n, direction), q = minus(scaled(direction, t), d);
-    if (t > rules.near && t < depth && dot(q, q) < s.radius[i] ** 2) [depth, leaf] = [t, i];
+    if (t > begin && t < depth && dot(q, q) < s.radius[i] ** 2) [depth, leaf] = [t, i];
   }
   if (leaf < 0) return null;
   const n = Array.from(s.normal.subarray(3 * leaf, 3 * leaf + 3));

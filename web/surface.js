@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface as modules/web packs it: its columns, and the texels that shaders read.
-import {along, length, minus, scaled} from './vectors.js';
+import {centerOf} from './box.js';
+import {length, minus} from './vectors.js';
 
 const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02, COLOR_STEP = 2;
 export const COLOR_TERMS = 18;
@@ -213,7 +214,7 @@ export function texels(s, rules, unit) {
   return {perLeaf, colorAt, data, hulls, words: Int32Array.from(words.length ? words : [0])};
 }
 
-/** A ball around all leaves. */
+/** The box around all leaves' balls, and a ball around it. */
 export function boundsOf(s) {
   const low = [Infinity, Infinity, Infinity], high = low.map(x => -x);
   [s.x, s.y, s.z].forEach((column, k) => {
@@ -222,6 +223,6 @@ export function boundsOf(s) {
       high[k] = Math.max(high[k], column[i] + s.radius[i]);
     }
   });
-  if (!s.leaves) return {center: [0, 0, 0], radius: 1};
-  return {center: scaled(along(low, 1, high), 0.5), radius: 0.5 * length(minus(high, low))};
+  if (!s.leaves) return {center: [0, 0, 0], radius: 1, box: [[-1, -1, -1], [1, 1, 1]]};
+  return {box: [low, high], center: centerOf([low, high]), radius: 0.5 * length(minus(high, low))};
 }

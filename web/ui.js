@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: what pointers, keys and buttons do, and what is read at a point.
+// The page: its controls, its keys, and what is read at a point.
 import {decode, decodeLines, inflate} from './surface.js';
 import {decodeSplats} from './splats.js';
 import {obstacle} from './frames.js';
 import {Viewer} from './viewer.js';
+import {Clip} from './clip.js';
+import {Corner} from './corner.js';
+import {LABELS, modesOf, showLegend} from './legend.js';
+import {Link} from './link.js';
+import {Measures} from './measure.js';
+import {Numbers} from './numbers.js';
+import {Pointers} from './pointers.js';
 
 const $ = id => document.getElementById(id);
-const LABELS = {shaded: 'Shaded', normal: 'Normals', mean: 'Mean curvature', gauss: 'Gaussian curvature',
-  kmax: 'Largest curvature', kmin: 'Smallest curvature', level: 'Level', size: 'Size of balls', error: 'Residual',
-  reflection: 'Reflection lines', color: 'Colours'};
-const SPLAT_MODES = ['color', 'shaded', 'normal', 'size', 'reflection'];
-
-const text = x => x === 0 || Math.abs(x) >= 1e-3 && Math.abs(x) < 1e7 ? String(+x.toPrecision(Math.abs(x) < 1e4 ? 5 : 8)) : x.toExponential(3);
+const VIEWS = {f: 'front', b: 'back', l: 'left', r: 'right', t: 'top', u: 'bottom'};
+const PANELS = {help: 'keys', view: 'views', clip: 'box'};  // by the button that opens them
 
 function fail(sentence) {
   $('message').textContent = sentence;
@@ -19,18 +22,21 @@ function fail(sentence) {
   document.body.classList.add('failed');
 }
 
-function unitOf(mode, unit) {
-  const length = unit || 'length';
-  return mode === 'gauss' ? `1/${length}²` : mode === 'level' ? '' : ['size', 'error'].includes(mode) ? length : `1/${length}`;
-}
-
 class Page {
   constructor(viewer, page) {
-    Object.assign(this, {viewer, page, canvas: viewer.canvas, pointers: new Map(), marks: []});
-    this.fillModes();
+    Object.assign(this, {viewer, page, canvas: viewer.canvas, modes: modesOf(viewer), spread: 0});
+    const {diagonal, scale} = viewer.surface;
+    this.numbers = new Numbers(diagonal * scale, page.unit);
+    this.measures = new Measures(viewer, this.numbers, $, () => this.drawMarks());
+    this.clip = new Clip(viewer, this.numbers, $);
+    this.corner = new Corner(viewer, $);
+    this.pointers = new Pointers(viewer, (x, y) => this.read(x, y), point => this.center(point));
+    for (const mode of this.modes) $('mode').add(new Option(LABELS[mode], mode));
+    $('mode').value = viewer.mode;
     this.listen();
     viewer.onFrame = () => {
       this.drawMarks();
+      this.corner.draw();
       $('message').hidden = true;
       document.body.classList.add('ready');
     };
@@ -38,8 +44,10 @@ class Page {
     const follow = () => { viewer.dark = dark.matches; viewer.recolor(); };
     dark.addEventListener('change', follow);
     viewer.dark = dark.matches;
-    this.showScale();
+    showLegend(viewer, $);
     this.showFacts();
+    this.showProjection();
+    this.link = new Link(this);
     new ResizeObserver(() => this.fit()).observe(this.canvas);
     this.fit();
   }
@@ -52,12 +60,6 @@ class Page {
     this.viewer.fit();
   }
 
-  fillModes() {
-    this.modes = Object.keys(LABELS).filter(mode => this.viewer.isSplats ? SPLAT_MODES.includes(mode) : mode !== 'color' || this.viewer.surface.colored);
-    for (const mode of this.modes) $('mode').add(new Option(LABELS[mode], mode));
-    $('mode').value = this.viewer.mode;
-  }
-
   showFacts() {
     const {count, degree} = this.viewer.surface;
     $('facts').textContent = `${count.toLocaleString('en')} ${this.viewer.isSplats ? 'coloured discs' : `polynomial patches of degree ${degree}`}` +
@@ -66,149 +68,81 @@ class Page {
   }
 
   listen() {
-    const {canvas, viewer} = this, on = (target, name, act) => target.addEventListener(name, act, {passive: false});
-    on(canvas, 'pointerdown', e => this.press(e));
-    on(canvas, 'pointermove', e => this.drag(e));
-    for (const name of ['pointerup', 'pointercancel']) on(canvas, name, e => this.release(e));
-    on(canvas, 'contextmenu', e => e.preventDefault());
-    on(canvas, 'wheel', e => this.wheel(e));
-    on(canvas, 'keydown', e => this.key(e));
+    const {canvas} = this, on = (target, name, act) => target.addEventListener(name, act);
+    on(document, 'keydown', e => this.key(e));
     on(canvas, 'webglcontextlost', () => fail('The graphics card gave up: load the page again'));
     on($('mode'), 'change', () => this.setMode($('mode').value));
-    on($('range'), 'input', () => { viewer.spread = 2 ** $('range').value; this.showScale(); viewer.recolor(); });
+    on($('range'), 'input', () => this.setMode(this.viewer.mode, +$('range').value));
     on($('home'), 'click', () => this.reset());
+    on($('parallel'), 'click', () => this.setParallel(!this.viewer.camera.height));
     on($('measure'), 'click', () => this.setMeasuring(!this.measuring));
     on($('save'), 'click', () => this.save());
-    on($('help'), 'click', () => this.setHelp($('keys').hidden));
-    on($('close'), 'click', () => this.setHelp(false));
+    on($('link'), 'click', () => this.copyLink());
+    on($('close'), 'click', () => this.setPanel(''));
+    for (const name of Object.keys(PANELS)) on($(name), 'click', () => this.setPanel($(PANELS[name]).hidden ? name : ''));
+    for (const name of Object.values(VIEWS)) on($(`from-${name}`), 'click', () => this.look(name));
   }
 
-  setMode(mode) {
-    this.viewer.mode = $('mode').value = mode;
-    this.viewer.spread = 2 ** ($('range').value = 0);
-    this.showScale();
+  /** Shows other colours. spread: power of two by which their range is widened */
+  setMode(mode, spread = 0) {
+    Object.assign(this.viewer, {mode, spread: 2 ** spread});
+    this.spread = $('range').value = spread;
+    $('mode').value = mode;
+    showLegend(this.viewer, $);
     this.viewer.recolor();
   }
 
-  /** The colour bar and its numbers. */
-  showScale() {
-    const {viewer} = this, {mode} = viewer, [low, high] = viewer.range(), css = c => `rgb(${c.map(x => 255 * x)})`;
-    $('scale').hidden = !viewer.hasRange();
-    $('range').hidden = mode === 'level';
-    let stops = viewer.table().map(css);
-    if (mode === 'level') {
-      const count = Math.round(high - low), levels = Array.from({length: count}, (_, k) => Math.round(low + k + 0.5));
-      stops = levels.flatMap((l, k) => [`${css(viewer.table()[l % 10])} ${100 * k / count}% ${100 * (k + 1) / count}%`]);
-    }
-    $('colors').style.background = `linear-gradient(90deg, ${stops})`;
-    const middle = mode === 'size' ? Math.sqrt(low * high) : (low + high) / 2;
-    const numbers = mode === 'level' ? [low + 0.5, '', high - 0.5] : [low, middle, high].map(x => +x.toPrecision(3));
-    $('numbers').replaceChildren(...numbers.map(x => Object.assign(document.createElement('span'), {textContent: x})));
-    $('unit').textContent = unitOf(mode, this.page.unit);
-  }
-
-  place(e) {
-    const box = this.canvas.getBoundingClientRect();
-    return [e.clientX - box.left, e.clientY - box.top];
-  }
-
-  /** The point under a place, or the object's middle. */
-  pivotAt(x, y) { return this.viewer.pick(x, y)?.point || this.viewer.middle(); }
-
-  press(e) {
-    this.canvas.focus({preventScroll: true, focusVisible: false});
-    this.canvas.setPointerCapture(e.pointerId);
-    this.pointers.set(e.pointerId, this.place(e));
-    this.start = {at: this.place(e), moved: false, pan: e.button > 0 || e.shiftKey};
-    this.pivot = this.pivotAt(...this.middleOfPointers());
-  }
-
-  middleOfPointers() {
-    const all = [...this.pointers.values()];
-    return [0, 1].map(k => all.reduce((sum, p) => sum + p[k], 0) / all.length);
-  }
-
-  drag(e) {
-    if (!this.pointers.has(e.pointerId)) return;
-    const before = this.middleOfPointers(), gap = this.gap();
-    this.pointers.set(e.pointerId, this.place(e));
-    const after = this.middleOfPointers(), [dx, dy] = [after[0] - before[0], after[1] - before[1]];
-    if (Math.hypot(after[0] - this.start.at[0], after[1] - this.start.at[1]) > 4) this.start.moved = true;
-    if (!this.start.moved && this.pointers.size < 2) return;
-    const {camera} = this.viewer, {clientWidth: width, clientHeight: height} = this.canvas;
-    if (this.pointers.size > 1) {
-      this.start.moved = true;
-      camera.pan(this.pivot, dx, dy, width, height);
-      if (gap > 0 && this.gap() > 0) camera.zoom(this.pivot, gap / this.gap());
-    } else if (this.start.pan) {
-      camera.pan(this.pivot, dx, dy, width, height);
-    } else {
-      camera.orbit(this.pivot, -dx * Math.PI / height, -dy * Math.PI / height);
-    }
-    this.viewer.moved();
-  }
-
-  /** Distance between two fingers. */
-  gap() {
-    const [a, b] = this.pointers.values();
-    return b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 0;
-  }
-
-  release(e) {
-    if (!this.pointers.delete(e.pointerId)) return;
-    if (e.type === 'pointerup' && !this.start.moved && !this.pointers.size) this.tap(...this.place(e), e.timeStamp);
-    if (this.pointers.size) this.pivot = this.pivotAt(...this.middleOfPointers());
-  }
-
-  /** One tap reads a point, a second one at its place brings it to the middle: fingers have no double click. */
-  tap(x, y, time) {
-    const {tapped} = this, again = tapped && time - tapped.time < 400 && Math.hypot(x - tapped.x, y - tapped.y) < 12;
-    this.tapped = again ? null : {x, y, time};
-    const hit = again && !this.measuring && this.viewer.pick(x, y);
-    if (!hit) return this.read(x, y);
-    this.viewer.camera.center(hit.point);
-    this.viewer.moved();
-  }
-
-  wheel(e) {
-    e.preventDefault();
-    // One pick for one turn of the wheel: the point stays under the pointer.
-    if (!(e.timeStamp - this.wheeled < 400)) this.wheelPivot = this.pivotAt(...this.place(e));
-    this.wheeled = e.timeStamp;
-    const lines = e.deltaMode ? 20 * e.deltaY : e.deltaY;
-    this.viewer.camera.zoom(this.wheelPivot, Math.exp(0.0015 * Math.max(-300, Math.min(300, lines))));
-    this.viewer.moved();
-  }
-
   key(e) {
-    if (e.ctrlKey || e.altKey || e.metaKey) return;
-    const {camera} = this.viewer, middle = this.viewer.middle(), step = 0.09;
-    const moves = {
-      ArrowLeft: () => camera.orbit(middle, step, 0), ArrowRight: () => camera.orbit(middle, -step, 0),
-      ArrowUp: () => camera.orbit(middle, 0, step), ArrowDown: () => camera.orbit(middle, 0, -step),
-      '+': () => camera.zoom(middle, 0.9), '=': () => camera.zoom(middle, 0.9), '-': () => camera.zoom(middle, 1 / 0.9),
-    };
+    const {target} = e, isInput = target.matches?.('input, select, textarea');
+    if (e.ctrlKey || e.altKey || e.metaKey || isInput && e.key !== 'Escape') return;
+    if (target.matches?.('button') && (e.key === ' ' || e.key === 'Enter')) return;
+    const {camera} = this.viewer, step = 0.09, {canvas} = this;
+    const turn = (yaw, pitch) => this.move(() => camera.orbit(this.viewer.middle(), yaw, pitch));
+    const zoom = factor => this.move(() => camera.zoom(this.viewer.middle(), factor));
+    const click = id => $(id).click();
     const acts = {
-      Home: () => this.reset(), r: () => this.reset(), m: () => this.setMeasuring(!this.measuring),
-      p: () => this.save(), c: () => this.modes.includes('color') && this.setMode('color'), '?': () => this.setHelp($('keys').hidden), Escape: () => this.forget(),
-      ' ': () => this.read(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2),
+      ArrowLeft: () => turn(step, 0), ArrowRight: () => turn(-step, 0), ArrowUp: () => turn(0, step), ArrowDown: () => turn(0, -step),
+      '+': () => zoom(0.9), '=': () => zoom(0.9), '-': () => zoom(1 / 0.9),
+      Home: () => this.reset(), o: () => click('parallel'), v: () => click('view'), k: () => click('clip'), '?': () => click('help'),
+      m: () => click('measure'), Delete: () => this.measures.remove(), Backspace: () => this.measures.remove(),
+      p: () => this.save(), s: () => this.copyLink(), c: () => this.modes.includes('color') && this.setMode('color'),
+      Escape: () => this.forget(), ' ': () => this.read(canvas.clientWidth / 2, canvas.clientHeight / 2),
     };
-    if (moves[e.key]) {
-      moves[e.key]();
-      this.viewer.moved();
-    } else if (acts[e.key]) {
-      acts[e.key]();
-    } else if (/^[0-9]$/.test(e.key)) {
-      this.setMode(this.modes[(+e.key + 9) % 10] || this.viewer.mode);
-    } else {
-      return;
-    }
+    if (VIEWS[e.key]) this.look(VIEWS[e.key]);
+    else if (acts[e.key]) acts[e.key]();
+    else if (/^[0-9]$/.test(e.key)) this.setMode(this.modes[(+e.key + 9) % 10] || this.viewer.mode);
+    else return;
     e.preventDefault();
+  }
+
+  move(act) {
+    act();
+    this.viewer.moved();
   }
 
   reset() {
     this.viewer.camera = this.viewer.home.copy();
+    this.showProjection();
     this.viewer.moved();
+  }
+
+  look(side) {
+    const {viewer, canvas} = this;
+    this.move(() => viewer.camera.view(side, viewer.box(), canvas.clientWidth, canvas.clientHeight));
+  }
+
+  setParallel(parallel) {
+    const {viewer, canvas} = this, seen = viewer.pick(canvas.clientWidth / 2, canvas.clientHeight / 2);
+    this.move(() => viewer.camera.setParallel(parallel, seen?.point || viewer.middle(), viewer.surface.bounds));
+    this.showProjection();
+  }
+
+  showProjection() { $('parallel').setAttribute('aria-pressed', !!this.viewer.camera.height); }
+
+  /** A second click brings its point to the middle; while measuring it is a point like others. */
+  center(point) {
+    if (!this.measuring) this.move(() => this.viewer.camera.center(point));
+    return !this.measuring;
   }
 
   setMeasuring(on) {
@@ -218,16 +152,19 @@ class Page {
     if (on) this.say('Choose two points');
   }
 
-  setHelp(open) {
-    $('keys').hidden = !open;
-    $('help').setAttribute('aria-expanded', open);
+  /** Opens one panel, by its button, or none. */
+  setPanel(name) {
+    for (const [button, panel] of Object.entries(PANELS)) {
+      $(panel).hidden = button !== name;
+      $(button).setAttribute('aria-expanded', button === name);
+    }
+    this.drawMarks();
   }
 
   forget() {
-    this.marks = [];
-    this.setHelp(false);
+    this.mark = this.measures.start = null;
     $('readout').hidden = true;
-    this.drawMarks();
+    this.setPanel('');
   }
 
   say(words) {
@@ -239,30 +176,31 @@ class Page {
   read(x, y) {
     const hit = this.viewer.pick(x, y);
     if (!hit) return this.measuring ? this.say('There is nothing; choose a point of the surface') : this.forget();
-    this.marks = this.measuring && this.marks.length === 1 ? [this.marks[0], hit.point] : [hit.point];
-    if (this.measuring) this.sayDistance(); else this.sayPoint(hit);
+    if (this.measuring) {
+      const pair = this.measures.add(hit.point);
+      this.say(pair ? `Distance ${this.measures.label(pair)}` : 'Choose the second point');
+    } else {
+      this.mark = hit.point;
+      this.sayPoint(hit);
+    }
     this.drawMarks();
   }
 
-  sayDistance() {
-    const [a, b] = this.marks, unit = this.page.unit || '';
-    this.say(b ? `Distance ${text(this.viewer.distance(a, b))} ${unit}` : 'Choose the second point');
-  }
-
   sayPoint({point, depth, normal, kMax, kMin, leaf, color}) {
-    const {surface: s} = this.viewer, {scale} = s, table = document.createElement('table');
-    const list = v => v.map(text).join('  ');
+    const {surface: s} = this.viewer, {scale} = s, {numbers} = this, table = document.createElement('table');
     const place = {
-      Position: list(this.viewer.world(point)), Normal: list(normal.map(x => +x.toFixed(4))), Distance: text(depth * scale),
+      Position: numbers.lengths(...this.viewer.world(point)), Normal: normal.map(x => numbers.fixed(x, 4)).join('  '),
+      Distance: numbers.lengths(depth * scale),
     };
     const rows = this.viewer.isSplats ? {
-      ...place, Radius: text(s.radius[leaf]), Colour: list(s.rgb.map(c => c[leaf])),
+      ...place, Radius: numbers.lengths(s.radius[leaf]), Colour: s.rgb.map(c => c[leaf]).join('  '),
     } : {
       ...place,
-      'Principal curvatures': list([kMax / scale, kMin / scale]),
-      'Mean, Gaussian': list([(kMax + kMin) / 2 / scale, kMax * kMin / scale ** 2]),
-      'Ball, residual': list([s.radius[leaf] * scale, s.error[leaf] * scale]), Level: s.level[leaf],
-      ...color && {Colour: list(color.map(Math.round))},
+      'Principal curvatures': numbers.curvatures('mean', kMax / scale, kMin / scale),
+      'Mean curvature': numbers.curvatures('mean', (kMax + kMin) / 2 / scale),
+      'Gaussian curvature': numbers.curvatures('gauss', kMax * kMin / scale ** 2),
+      'Ball, residual': numbers.lengths(s.radius[leaf] * scale, s.error[leaf] * scale), Level: s.level[leaf],
+      ...color && {Colour: color.map(Math.round).join('  ')},
     };
     for (const [name, words] of Object.entries(rows)) {
       const row = table.insertRow();
@@ -272,11 +210,18 @@ class Page {
     this.say(table);
   }
 
+  /** Marks, distances and the clipping box over the picture. */
   drawMarks() {
     const {clientWidth: w, clientHeight: h} = this.canvas, {camera} = this.viewer;
-    const at = this.marks.map(p => camera.project(p, w, h)).filter(Boolean);
-    const line = at.length > 1 ? `<line x1="${at[0][0]}" y1="${at[0][1]}" x2="${at[1][0]}" y2="${at[1][1]}"/>`.repeat(2) : '';
-    $('marks').innerHTML = line + at.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="5"/>`).join('');
+    const place = point => camera.project(point, w, h)?.map(x => +x.toFixed(2));
+    const points = [...this.measures.points(), ...this.mark ? [this.mark] : []].map(place).filter(Boolean);
+    $('marks').innerHTML = this.clip.draw(place) + this.measures.draw(place) + points.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="5"/>`).join('');
+    this.link?.follow();
+  }
+
+  async copyLink() {
+    const refused = await this.link.copy();
+    this.say(refused || 'The link to this view is copied');
   }
 
   /** Saves the picture as it is on the screen. */

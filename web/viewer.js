@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is drawn when: coarse frames while something moves, then whole ones, then more samples.
+import {centerOf} from './box.js';
 import {Camera} from './camera.js';
 import {isSoftware} from './frames.js';
 import {SurfaceFrames} from './renderer.js';
 import {castSplats, SplatFrames} from './splats.js';
 import {cast} from './rays.js';
 import {boundsOf} from './surface.js';
-import {dot, length, minus} from './vectors.js';
+import {along, length, minus, scaled} from './vectors.js';
 
 export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
                       'color', 'error'];
@@ -51,6 +52,16 @@ export class Viewer {
     if (map !== 'auto') return colors[map];
     return mode === 'size' ? colors.size : mode === 'error' ? colors.perceptual : colors.diverging;
   }
+
+  /** Clips to a box, two corners in local units, or to none. A cut surface shows its inner side, too, as in pictures. */
+  clipTo(box) {
+    Object.assign(this.rules, {clip: box, front: box ? this.page.cutFront : this.page.front});
+    if (this.page.lines.length) this.renderer.packLines(box);
+    this.moved();
+  }
+
+  /** The box around what is drawn, local units. */
+  box() { return this.rules.clip || this.surface.bounds.box; }
 
   hasRange() { return NAMED.includes(this.mode) || SIGNED.includes(this.mode); }
 
@@ -188,9 +199,10 @@ export class Viewer {
 
   /** The point about which to turn where nothing is under the pointer: the object's middle, at its depth. */
   middle() {
-    const {center} = this.surface.bounds, forward = this.camera.axes()[2];
-    return this.camera.position.map((p, k) => p + forward[k] * Math.max(1e-6, dot(minus(center, this.camera.position), forward)));
+    return along(this.camera.position, Math.max(1e-6, this.camera.depth(centerOf(this.box()))), this.camera.axes()[2]);
   }
+
+  local(place) { return scaled(minus(place, this.surface.origin), 1 / this.surface.scale); }
 
   world(point) { return point.map((x, k) => this.surface.origin[k] + this.surface.scale * x); }
 

@@ -268,6 +268,7 @@ Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                      (rendering.sides == VisibleSides::kAuto && surface.info.hasFront());
   options.member("kind", "\"surface\"");
   options.member("front", JsonText::boolean(front));
+  options.member("cutFront", JsonText::boolean(rendering.sides == VisibleSides::kFront));
   options.member("trim", JsonText::boolean(rendering.trim));
   options.member("near", JsonText::number(rendering.near_plane));
   options.member("lod", JsonText::number(rendering.lod));
@@ -301,7 +302,9 @@ Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,
   JsonText ranges, options = pageOptions(camera, shading, params);
   ranges.member("size", JsonText::numbers(std::array<double, 2>{range.low, range.high}, 6));
   options.member("kind", "\"splats\"");
-  options.member("front", JsonText::boolean(rendering.sides == VisibleSides::kFront));
+  const std::string front = JsonText::boolean(rendering.sides == VisibleSides::kFront);
+  options.member("front", front);
+  options.member("cutFront", front);
   options.member("near", JsonText::number(rendering.near_plane));
   options.member("lod", "0");
   options.member("ranges", ranges.object());
