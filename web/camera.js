@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A camera that orbits, in a model's local units and in double.
-import {centerOf, cornersOf} from './box.js';
 import {along, cross, dot, length, minus, scaled, unit} from './vectors.js';
 
-const MARGIN = 1.06, USUAL_FOV = 30;
+const USUAL_FOV = 30;  // where a page names none, degrees
 
 /** v turned about a unit axis. */
 function turned(v, axis, angle) {
@@ -102,28 +101,6 @@ export class Camera {
     this.position = along(point, -away, forward);
     this.target = point;
   }
-  /** Looks at a box from a side that pcl_slim_render -view names, relative to the direction of `turn`; the box fills
-   * a picture of these pixels. */
-  view(name, box, width, height) {
-    const up = this.turn, aside = Math.abs(up[0]) > 0.9 ? [0, 0, -Math.sign(up[0])] : [1, 0, 0];
-    const right = unit(along(aside, -dot(aside, up), up)), front = cross(right, up);
-    const [eye, top] = {
-      front: [front, up], back: [scaled(front, -1), up], left: [scaled(right, -1), up], right: [right, up],
-      top: [up, scaled(front, -1)], bottom: [scaled(up, -1), front],
-    }[name];
-    const slope = this.slope(), widest = width / (this.share * height), across = cross(top, eye);
-    const corners = cornersOf(box).map(c => [Math.abs(dot(c, across)), Math.abs(dot(c, top)), -dot(c, eye)]);
-    const half = Math.max(...corners.map(([x, y]) => Math.max(x / widest, y))) * MARGIN;
-    const away = Math.max(...corners.map(([x, y, z]) => MARGIN * Math.max(x / widest, y) / slope - z));
-    const reach = this.height ? Math.max(half / slope, 2 * length(cornersOf(box)[0])) : away;
-    this.aspect = this.height ? Math.max(...corners.map(([x]) => x)) * MARGIN / half :
-      Math.max(...corners.map(([x, , z]) => x * MARGIN / (away + z))) / slope;
-    if (this.height) this.height = 2 * half;
-    this.target = centerOf(box);
-    this.position = along(this.target, reach, eye);
-    this.up = top;
-  }
-
   /** Parallel projection, or perspective: what is at a point's depth keeps its place and size. ball: around the
    * object, all of which is in front of an eye outside */
   setParallel(parallel, point, ball) {

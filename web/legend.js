@@ -18,6 +18,7 @@ export function ticksOf(mode, [low, high]) {
     const count = Math.round(high - low), every = Math.ceil(count / 6);
     return Array.from({length: Math.ceil(count / every)}, (_, k) => [Math.round(low + k * every + 0.5), (k * every + 0.5) / count]);
   }
+  if (!(high > low)) return [[low, 0.5]];
   const at = mode === 'size' ? x => Math.log(x / low) / Math.log(high / low) : x => (x - low) / (high - low);
   return ticks(low, high, mode === 'size').map(x => [x, at(x)]);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distances between pairs of points: kept, labelled in the picture, and listed.
 
+const LABEL_HEIGHT = 17, LETTER_WIDTH = 8;  // pixels that labels take
+
 export class Measures {
   /** changed: called after every change */
   constructor(viewer, numbers, $, changed) {
@@ -46,12 +48,17 @@ export class Measures {
 
   /** The lines and labels as SVG. place: where a point is seen, or null */
   draw(place) {
-    return this.pairs.map((pair, k) => {
+    const lines = [], labels = [];
+    this.pairs.forEach((pair, k) => {
       const [a, b] = pair.map(place);
-      if (!a || !b) return '';
-      const line = `d="M${a}L${b}"`, [x, y] = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2 - 8];
-      return `<path class="halo" ${line}/><path ${line}/><text x="${x}" y="${y}">${k + 1}: ${this.label(pair)}</text>`;
-    }).join('');
+      if (!a || !b) return;
+      const label = {x: (a[0] + b[0]) / 2, y: (a[1] + b[1]) / 2 - 8, words: `${k + 1}: ${this.label(pair)}`};
+      const isTaken = () => labels.some(l => Math.abs(l.y - label.y) < LABEL_HEIGHT && Math.abs(l.x - label.x) < LETTER_WIDTH * l.words.length);
+      while (isTaken()) label.y += LABEL_HEIGHT;
+      labels.push(label);
+      lines.push(`<path class="halo" d="M${a}L${b}"/><path d="M${a}L${b}"/>`);
+    });
+    return lines.join('') + labels.map(({x, y, words}) => `<text x="${x}" y="${y}">${words}</text>`).join('');
   }
 
   /** All points to mark. */

@@ -22,9 +22,14 @@ export class Numbers {
   lengths(...values) { return this.named(values.map(x => this.fixed(x)), this.unit); }
 
   /** Four significant digits; mode: that of their unit */
-  curvatures(mode, ...values) { return this.named(values.map(x => short(+x.toPrecision(4))), this.unit && unitOf(mode, this.unit)); }
+  curvatures(mode, ...values) { return this.named(values.map(significant), this.unit && unitOf(mode, this.unit)); }
 
   named(words, unit) { return words.join('  ') + (unit && ` ${unit}`); }
+}
+
+function significant(x) {
+  const isPlain = x === 0 || Math.abs(x) >= 0.001 && Math.abs(x) < 1e4;
+  return (isPlain ? x.toPrecision(4) : x.toExponential(3)).replace('e+', 'e');
 }
 
 /** A number in few characters. */
@@ -59,8 +64,8 @@ export function ticks(low, high, logarithmic = false) {
     const found = Array.from({length: all}, (_, i) => first + i).filter(k => k % every === 0).map(roundStep);
     if (found.length > 2) return found;
   }
-  let k = roundBelow((high - low) / 6) - 1;
-  while (multiples(roundStep(k), low, high).length > 6) ++k;
-  const found = multiples(roundStep(k), low, high);
-  return found.length > 2 ? found : multiples(2 * roundStep(k - 1), low, high);
+  const most = logarithmic ? 4 : 6, of = step => multiples(step, low, high);  // by ratios, the upper ones are narrow
+  let k = roundBelow((high - low) / most) - 1;
+  while (of(roundStep(k)).length > most) ++k;
+  return [roundStep(k), 2 * roundStep(k - 1), roundStep(k - 1)].map(of).find(found => found.length > 2);
 }

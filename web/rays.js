@@ -188,7 +188,8 @@ function colorAt(s, rules, point, normal) {
 export function cast(s, rules, eye, direction) {
   const part = rules.clip ? within(rules.clip, eye, direction, rules.near) : [rules.near, Infinity];
   if (!part) return null;
-  let [nearest, end] = part;
+  const [begin, end] = part;
+  let nearest = begin;
   for (let layer = 0; layer < rules.kMaxLayers; ++layer) {
     const first = firstHit(s, rules, eye, direction, nearest);
     if (first > end || first === Infinity) return null;
@@ -196,8 +197,8 @@ export function cast(s, rules, eye, direction) {
                  offsets: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);
     if (sum.leaf < 0) return null;
-    if (isSupported(s, rules, sum)) {
-      const depth = first + sum.shift / sum.weight;
+    const depth = first + sum.shift / sum.weight, isClipped = rules.clip && (depth < begin || depth > end);
+    if (!isClipped && isSupported(s, rules, sum)) {
       const [kMax, kMin] = principal(scaled(sum.gradient, 1 / sum.weight),
                                      sum.hessian.map(row => scaled(row, 1 / sum.weight)));
       const point = along(eye, depth, direction), normal = unit(sum.gradient), hit = {depth, point, normal, kMax, kMin, leaf: sum.leaf};

@@ -4,6 +4,7 @@ import {centerOf} from './box.js';
 import {length, minus} from './vectors.js';
 
 const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02, COLOR_STEP = 2;
+const RIM = 0.05, SLACK = 0.5;  // of bulkOf()
 export const COLOR_TERMS = 18;
 
 /** Undoes base64 and gzip; throws for what was cut or changed. */
@@ -214,15 +215,32 @@ export function texels(s, rules, unit) {
   return {perLeaf, colorAt, data, hulls, words: Int32Array.from(words.length ? words : [0])};
 }
 
-/** The box around all leaves' balls, and a ball around it. */
-export function boundsOf(s) {
+/** The box around leaves' balls, all of them or those that count, and a ball around it. */
+export function boundsOf(s, counts = () => true) {
   const low = [Infinity, Infinity, Infinity], high = low.map(x => -x);
-  [s.x, s.y, s.z].forEach((column, k) => {
-    for (let i = 0; i < s.leaves; ++i) {
+  for (let i = 0; i < s.leaves; ++i) {
+    if (!counts(i)) continue;
+    [s.x, s.y, s.z].forEach((column, k) => {
       low[k] = Math.min(low[k], column[i] - s.radius[i]);
       high[k] = Math.max(high[k], column[i] + s.radius[i]);
-    }
-  });
-  if (!s.leaves) return {center: [0, 0, 0], radius: 1, box: [[-1, -1, -1], [1, 1, 1]]};
+    });
+  }
+  if (!(low[0] <= high[0])) return {center: [0, 0, 0], radius: 1, box: [[-1, -1, -1], [1, 1, 1]]};
   return {box: [low, high], center: centerOf([low, high]), radius: 0.5 * length(minus(high, low))};
+}
+
+/** The box that a view of the whole shows: without strays, which are beyond half of the bulk's extent past the 5th and
+ * 95th percentile of the area. O(n log n). */
+export function bulkOf(s) {
+  const area = i => s.radius[i] ** 2, rim = RIM * s.radius.subarray(0, s.leaves).reduce((sum, r) => sum + r * r, 0);
+  const ranges = [s.x, s.y, s.z].map(column => {
+    const order = Array.from({length: s.leaves}, (_, i) => i).sort((i, j) => column[i] - column[j]);
+    const inner = from => {
+      let sum = 0;
+      return column[from.find(i => (sum += area(i)) >= rim)];
+    };
+    const low = inner(order), high = inner(order.reverse()), slack = SLACK * (high - low) + 1e-3;
+    return [low - slack, high + slack];
+  });
+  return boundsOf(s, i => [s.x, s.y, s.z].every((column, k) => column[i] >= ranges[k][0] && column[i] <= ranges[k][1])).box;
 }

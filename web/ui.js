@@ -11,6 +11,7 @@ import {Link} from './link.js';
 import {Measures} from './measure.js';
 import {Numbers} from './numbers.js';
 import {Pointers} from './pointers.js';
+import {look} from './views.js';
 
 const $ = id => document.getElementById(id);
 const VIEWS = {f: 'front', b: 'back', l: 'left', r: 'right', t: 'top', u: 'bottom'};
@@ -128,7 +129,7 @@ class Page {
 
   look(side) {
     const {viewer, canvas} = this;
-    this.move(() => viewer.camera.view(side, viewer.box(), canvas.clientWidth, canvas.clientHeight));
+    this.move(() => look(viewer.camera, side, viewer.balls(), canvas.clientWidth, canvas.clientHeight));
   }
 
   setParallel(parallel) {
@@ -158,6 +159,7 @@ class Page {
       $(panel).hidden = button !== name;
       $(button).setAttribute('aria-expanded', button === name);
     }
+    document.body.dataset.panel = name;
     this.drawMarks();
   }
 

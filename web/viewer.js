@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is drawn when: coarse frames while something moves, then whole ones, then more samples.
-import {centerOf} from './box.js';
+import {centerOf, cornersOf} from './box.js';
 import {Camera} from './camera.js';
 import {isSoftware} from './frames.js';
 import {SurfaceFrames} from './renderer.js';
 import {castSplats, SplatFrames} from './splats.js';
 import {cast} from './rays.js';
-import {boundsOf} from './surface.js';
+import {boundsOf, bulkOf} from './surface.js';
 import {along, length, minus, scaled} from './vectors.js';
 
 export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
@@ -60,8 +60,26 @@ export class Viewer {
     this.moved();
   }
 
-  /** The box around what is drawn, local units. */
-  box() { return this.rules.clip || this.surface.bounds.box; }
+  /** Balls [x, y, z, radius] of what is drawn, strays apart, in local units. */
+  balls() {
+    const {surface: s} = this, [low, high] = this.box(), found = [];
+    for (let i = 0; i < s.leaves; ++i) {
+      const center = [s.x[i], s.y[i], s.z[i]];
+      if (center.every((c, k) => c >= low[k] && c <= high[k])) found.push([...center, s.radius[i]]);
+    }
+    return found.length ? found : cornersOf([low, high]).map(c => [...along(centerOf([low, high]), 1, c), 0]);
+  }
+
+  /** The box around it. */
+  box() {
+    const bulk = this.bulk ||= bulkOf(this.surface), {clip} = this.rules;
+    if (!clip) return bulk;
+    const sides = [0, 1, 2].map(k => {
+      const low = Math.max(bulk[0][k], clip[0][k]), high = Math.min(bulk[1][k], clip[1][k]);
+      return low < high ? [low, high] : [clip[0][k], clip[1][k]];
+    });
+    return [0, 1].map(side => sides.map(s => s[side]));
+  }
 
   hasRange() { return NAMED.includes(this.mode) || SIGNED.includes(this.mode); }
 
@@ -199,7 +217,7 @@ export class Viewer {
 
   /** The point about which to turn where nothing is under the pointer: the object's middle, at its depth. */
   middle() {
-    return along(this.camera.position, Math.max(1e-6, this.camera.depth(centerOf(this.box()))), this.camera.axes()[2]);
+    return along(this.camera.position, Math.max(1e-6, this.camera.depth(this.rules.clip ? centerOf(this.rules.clip) : this.surface.bounds.center)), this.camera.axes()[2]);
   }
 
   local(place) { return scaled(minus(place, this.surface.origin), 1 / this.surface.scale); }

@@ -13,6 +13,7 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/web/page.h"
 #include "support/clouds.h"
+#include "unit/render/sphere_view.h"
 
 namespace pcl_slim::test {
 
@@ -36,6 +37,10 @@ class PageFile {
   PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading) {
     write(encodePage(splats, camera, {}, shading, {}));
   }
+  PageFile(const SLIMSurface& surface, const Camera& camera, const ShadingParams& shading,
+           const PageParams& params) {
+    write(encodePage(surface, camera, {}, shading, params));
+  }
   ~PageFile() { std::remove(path_.c_str()); }
   const std::string& path() const { return path_; }
   std::size_t bytes() const { return bytes_; }
@@ -46,7 +51,13 @@ class PageFile {
     if (page) bytes_ = page->size();
   }
 
-  std::string path_ = testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + ".html";
+  static std::string newPath() {
+    static int count = 0;
+    return testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + "_" +
+           std::to_string(++count) + ".html";
+  }
+
+  std::string path_ = newPath();
   std::size_t bytes_ = 0;
 };
 
@@ -55,6 +66,29 @@ inline SLIMSurface fittedSurface(measure::Shape shape, int degree, bool with_nor
   params.degree = degree;
   const auto cloud = pcl_slim_test::sceneCloud(shape, 8000, 0.0005, 0.02);
   return pcl_slim_test::fitted(with_normals ? cloud : cloud.withoutNormals(), params).surface;
+}
+
+/** \brief Discs all over a sphere, coloured by their places, with the colours' change. */
+inline SplatSet discsOnSphere() {
+  const SLIMSurface sphere = sphereSurface(1, kSphere, 500, 0.04);
+  SplatSet splats;
+  splats.resize(sphere.size(), true);
+  splats.x = sphere.cx;
+  splats.y = sphere.cy;
+  splats.z = sphere.cz;
+  splats.nx = sphere.nx;
+  splats.ny = sphere.ny;
+  splats.nz = sphere.nz;
+  splats.radius = sphere.radius;
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const auto byte = [](float x) { return static_cast<std::uint32_t>(127.0f + 400.0f * x); };
+    splats.rgb[i] = byte(splats.x[i]) << 16 | byte(splats.y[i]) << 8 | byte(splats.z[i]);
+    const float n[3] = {splats.nx[i], splats.ny[i], splats.nz[i]};
+    for (std::size_t k = 0; k < 9; ++k) {
+      splats.gradient[i][k] = 400.0f * ((k / 3 == k % 3 ? 1.0f : 0.0f) - n[k / 3] * n[k % 3]);
+    }
+  }
+  return splats;
 }
 
 /** \brief Share of pixels in which a picture differs by more than 2 of 255. */

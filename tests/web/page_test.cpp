@@ -162,29 +162,6 @@ TEST_F(PageInBrowser, DrawsALevelOfDetail) {
   EXPECT_LE(d.leaves, d.both / 100);
 }
 
-/** \brief Discs all over a sphere, coloured by their places, with the colours' change. */
-SplatSet discsOnSphere() {
-  const SLIMSurface sphere = sphereSurface(1, kSphere, 500, 0.04);
-  SplatSet splats;
-  splats.resize(sphere.size(), true);
-  splats.x = sphere.cx;
-  splats.y = sphere.cy;
-  splats.z = sphere.cz;
-  splats.nx = sphere.nx;
-  splats.ny = sphere.ny;
-  splats.nz = sphere.nz;
-  splats.radius = sphere.radius;
-  for (std::size_t i = 0; i < splats.size(); ++i) {
-    const auto byte = [](float x) { return static_cast<std::uint32_t>(127.0f + 400.0f * x); };
-    splats.rgb[i] = byte(splats.x[i]) << 16 | byte(splats.y[i]) << 8 | byte(splats.z[i]);
-    const float n[3] = {splats.nx[i], splats.ny[i], splats.nz[i]};
-    for (std::size_t k = 0; k < 9; ++k) {
-      splats.gradient[i][k] = 400.0f * ((k / 3 == k % 3 ? 1.0f : 0.0f) - n[k / 3] * n[k % 3]);
-    }
-  }
-  return splats;
-}
-
 TEST_F(PageInBrowser, DrawsSplats) {
   const SplatSet splats = discsOnSphere();
   const Camera camera = frontCamera(kWidth, kHeight);
