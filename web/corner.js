@@ -29,9 +29,12 @@ export class Corner {
       this.point = viewer.pick(canvas.clientWidth / 2, canvas.clientHeight / 2)?.point;
     }
     const {length, pixels} = scaleBar(viewer, this.point || viewer.middle()), unit = viewer.page.unit;
+    const arms = axesSeen(camera).map(([name, x, y]) => `<path class="${name}" d="M0 0L${ARM * x} ${ARM * y}"/>` +
+      `<text class="${name}" x="${1.35 * ARM * x}" y="${1.35 * ARM * y}">${name}</text>`).join('');
+    if (this.seen === pixels + arms) return;
+    this.seen = pixels + arms;
     $('bar').style.width = `${pixels}px`;
     $('bar').textContent = short(length) + (unit && ` ${unit}`);
-    $('axes').innerHTML = axesSeen(camera).map(([name, x, y]) => `<path class="${name}" d="M0 0L${ARM * x} ${ARM * y}"/>` +
-      `<text class="${name}" x="${1.35 * ARM * x}" y="${1.35 * ARM * y}">${name}</text>`).join('');
+    $('axes').innerHTML = arms;
   }
 }

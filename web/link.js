@@ -57,7 +57,9 @@ export class Link {
     const text = this.text();
     if (text === this.seen || document.body.classList.contains('bare')) return;
     this.seen = text;
-    history.replaceState(null, '', `#${text}`);
+    try {
+      history.replaceState(null, '', `#${text}`);
+    } catch (refusal) { /* a frame without an address of its own */ }
   }
 
   /** Copies the address; where the browser forbids that, returns it to be shown. */

@@ -217,7 +217,8 @@ class Page {
     const {clientWidth: w, clientHeight: h} = this.canvas, {camera} = this.viewer;
     const place = point => camera.project(point, w, h)?.map(x => +x.toFixed(2));
     const points = [...this.measures.points(), ...this.mark ? [this.mark] : []].map(place).filter(Boolean);
-    $('marks').innerHTML = this.clip.draw(place) + this.measures.draw(place) + points.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="5"/>`).join('');
+    const marks = this.clip.draw(place) + this.measures.draw(place) + points.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="5"/>`).join('');
+    if (marks !== this.marks) $('marks').innerHTML = this.marks = marks;
     this.link?.follow();
   }
 

@@ -336,7 +336,7 @@ try {
     await legend();
     await readout();
     await checkLayout(browser, check, width, height);
-    if (width < 500) await checkTargets(browser, check);
+    await checkTargets(browser, check);
     await checkTabs(browser, check);
     if (width > 500) await link(page, width, height);
     await open(splatPage, width, height);

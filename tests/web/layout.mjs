@@ -46,6 +46,8 @@ export async function checkLayout(browser, check, width, height) {
 
 /** Controls on a touch screen are at least 44 pixels wide and high. */
 export async function checkTargets(browser, check) {
+  await browser.send('Emulation.setTouchEmulationEnabled', {enabled: true});
+  check('the screen is one for fingers', await browser.evaluate('matchMedia("(pointer: coarse)").matches'));
   for (const [key, panel] of Object.entries(PANELS)) {
     if (key) await browser.key(key);
     const small = await browser.evaluate(`${VISIBLE}.map(e => [e.id || e.ariaLabel, e.getBoundingClientRect()])
@@ -53,6 +55,7 @@ export async function checkTargets(browser, check) {
     check(`targets of 44 pixels with panel ${panel}`, small.length === 0, small);
     await browser.key('Escape');
   }
+  await browser.send('Emulation.setTouchEmulationEnabled', {enabled: false});
 }
 
 /** The Tab key comes to every control; each has a name. */

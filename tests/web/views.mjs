@@ -1,8 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Standard views against the renderer's: node views.mjs CHROMIUM [UPX UPY UPZ NAME EYEX EYEY EYEZ TOPX TOPY TOPZ]...
+// Standard views against the renderer's, and projections: node views.mjs CHROMIUM [UPX UPY UPZ NAME EYEX EYEY EYEZ TOPX TOPY TOPZ]...
 // Prints what differs.
 import {Camera} from '../../web/camera.js';
 import {look} from '../../web/views.js';
+
+/** Where three points are seen, the first of them ahead of the eye, the others as deep. */
+function seen(camera, point) {
+  const [right, up] = camera.axes();
+  return [[0, 0], [0.2, 0], [0, 0.3]].flatMap(([x, y]) => camera.project(point.map((p, k) => p + x * right[k] + y * up[k]), 600, 400));
+}
+
+for (const more of [{fov: 40}, {height: 2}]) {
+  const camera = new Camera({position: [3, 4, 5], look_at: [0.1, 0, 0], up: [0, 0, 1], aspect: 1.5, ...more}, [0, 0, 1], [0, 0, 0], 1);
+  const point = [0.3, 0.2, -0.1], before = seen(camera, point);
+  for (const parallel of [!camera.height, !!camera.height, !camera.height]) {
+    camera.setParallel(parallel, point, {center: [0, 0, 0], radius: 1});
+    const off = Math.max(...seen(camera, point).map((x, i) => Math.abs(x - before[i])));
+    if (!(off < 1e-9) || parallel !== camera.height > 0) console.log('projection', more, parallel, off);
+    if (parallel && !(camera.depth([0, 0, 0]) > 1)) console.log('the eye is in the object', camera.depth([0, 0, 0]));
+  }
+}
 
 const words = process.argv.slice(3), BOX = [[-1, -2, -3], [2, 4, 1]];
 for (let k = 0; k + 9 < words.length; k += 10) {
