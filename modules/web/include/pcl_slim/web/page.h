@@ -26,10 +26,10 @@ struct PageParams {
 
 /** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
  *
- * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and read
- * positions, normals and curvatures. camera.size sets the shape of the still picture that is
+ * It opens with the picture of renderPicture() and lets its reader turn it, clip it, measure in it, change
+ * its mode and read positions, normals and curvatures. camera.size sets the shape of the still picture that is
  * shown where WebGL 2 is missing. Cuts are refused.
- * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 70 KB. The same for every run. */
+ * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 85 KB. The same for every run. */
 PCL_SLIM_EXPORT Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                                                const RenderParams& rendering,
                                                const ShadingParams& shading,
