@@ -229,10 +229,14 @@ void Viewer::renderFine() {
 
 /** \brief Saves what the window shows, finely drawn. */
 Error Viewer::saveFinePicture(const std::string& path) {
-  // The model's own rays smooth its edges, which a filter would only blur.
-  const bool smooth = !scene_.pointsShown() && !scene_.ballsShown() && !scene_.normalsShown();
-  renderer_->SetUseFXAA(!smooth);
   renderFine();
+  // The model's own rays smooth its edges, which a filter would only blur.
+  const GBufferMapper* mapper = scene_.mapper();
+  const bool others = scene_.pointsShown() || scene_.ballsShown() || scene_.normalsShown();
+  if (mapper && mapper->getStatistics().supersampling > 1 && !others) {
+    renderer_->UseFXAAOff();
+    render();
+  }
   const Error error = savePicture(window_, path);
   renderer_->UseFXAAOn();
   return error;
