@@ -85,6 +85,12 @@ Error finishSettings(Settings& s) {
   return {};
 }
 
+/** \brief Prints the view that is chosen of an object. */
+void noteView(const Settings& s, const BoundingSpheres& object, Console& console) {
+  const ChosenView view = s.viewer.view.viewOf(object);
+  if (!view.words.empty()) console.note("  " + view.words);
+}
+
 /** \brief A window for a scan, whose surface comes while the points are shown. */
 Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Report& report) {
   Viewer viewer(s.viewer, s.screenshot.empty());
@@ -97,6 +103,7 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Repo
   }
   auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
+  noteView(s, spheresOf(*surface), console);
   viewer.scene().setSurface(surface);
   viewer.begin();
   return viewer.saveScreenshot(s.screenshot);
@@ -140,6 +147,7 @@ Exit run(const OptionTable& options, Settings& s) {
   console.done(model->describe());
   const Result<BoundingSpheres> seen = s.viewer.region.within(model->spheres());
   if (!seen) return Exit::usage(seen.error());
+  noteView(s, *seen, console);
   if (Error error = checkDisplay()) return error;
   return showModel(s, *model);
 }

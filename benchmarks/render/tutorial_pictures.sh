@@ -26,7 +26,10 @@ sheet() {
 # The amphora: the tutorial's commands, as its test runs them.
 (cd -- "$root" && python3 tests/pages_test.py "$bin" "$work" "$data" docs/tutorial.md)
 convert tutorial/scan.png "${png[@]}" "$out/demo_scan.png"
-convert tutorial/surface.png "${png[@]}" "$out/demo.png"
+render tutorial/surface.slim hero -size 420x520 -save_camera hero.txt
+render tutorial/discs.pcd hero_points -size 420x520 -camera hero.txt -lighting 0 -filtered 0
+render tutorial/surface.slim hero_curvature -size 520x520 -mode mean -bar -unit m
+sheet demo.png 3 '200,000 noisy points' hero_points 'a surface of 6,827 patches' hero 'its mean curvature' hero_curvature
 for name in levels_and_sizes tutorial_smoothing tutorial_curvature tutorial_splats; do
   convert "tutorial/$name.png" "${png[@]}" "$out/$name.png"
 done

@@ -14,7 +14,9 @@
 #include <cmath>
 #include <vector>
 
+#include "pcl_slim/render/detail/bar_text.h"
 #include "pcl_slim/render/detail/ticks.h"
+#include "pcl_slim/render/shading.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
 
 namespace pcl_slim {
@@ -86,24 +88,16 @@ vtkStandardNewMacro(RoundScalarBar)
 }  // namespace
 
 std::string titleOf(DisplayMode mode) {
-  switch (mode) {
-    case DisplayMode::kMean: return "mean curvature";
-    case DisplayMode::kGauss: return "Gaussian curvature";
-    case DisplayMode::kMax: return "maximum curvature";
-    case DisplayMode::kMin: return "minimum curvature";
-    case DisplayMode::kLevel: return "level";
-    case DisplayMode::kSize: return "radius";
-    case DisplayMode::kError: return "residual";
-    case DisplayMode::kReflection: return "reflection lines";
-    case DisplayMode::kColor: return "colour";
-    default: return nameOf(mode);
-  }
+  if (showsNumbers(mode)) return barTitle(*shadingModeOf(nameOf(mode)));
+  return mode == DisplayMode::kReflection ? "reflection lines"
+         : mode == DisplayMode::kColor    ? "colour"
+                                          : nameOf(mode);
 }
 
 std::string unitOf(DisplayMode mode, const std::string& length) {
-  if (mode == DisplayMode::kSize || mode == DisplayMode::kError) return length;
-  if (!showsCurvature(mode)) return "";
-  return "1/" + (length.empty() ? "length" : length) + (mode == DisplayMode::kGauss ? "²" : "");
+  const bool is_length = mode == DisplayMode::kSize || mode == DisplayMode::kError;
+  if (!showsNumbers(mode) || (is_length && length.empty())) return "";
+  return barUnit(*shadingModeOf(nameOf(mode)), length);
 }
 
 vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper, const std::string& unit) {
