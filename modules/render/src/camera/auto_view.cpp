@@ -63,10 +63,10 @@ struct Frame {
 struct LevelTensor {
   double ff = 0.0, rr = 0.0, rf = 0.0;
 
-  void add(double weight, double front, double right) {
-    ff += weight * front * front;
-    rr += weight * right * right;
-    rf += weight * right * front;
+  void add(double front, double right) {
+    ff += front * front;
+    rr += right * right;
+    rf += right * front;
   }
   /** \brief Azimuth of the longer axis in (-90, 90] degrees. */
   double longAxis() const { return 0.5 * std::atan2(2.0 * rf, ff - rr) / kDegree; }
@@ -92,7 +92,7 @@ double widestAzimuth(const SphereCloud& cloud, const Frame& frame) {
   LevelTensor spread;
   for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
     const Vector3 off = subtract(cloud.centers[i], middle);
-    spread.add(cloud.weights[i] / cloud.total, dot(off, frame.front), dot(off, frame.right));
+    spread.add(dot(off, frame.front), dot(off, frame.right));
   }
   const double turned = (spread.elongation() - kSquare) / (kElongated - kSquare);
   return across(spread.longAxis()) * std::clamp(turned, 0.0, 1.0);
@@ -104,8 +104,7 @@ double alongWalls(const SphereCloud& cloud, const Frame& frame) {
   LevelTensor walls;
   for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
     const Vector3& n = cloud.normals[i];
-    if (std::abs(dot(n, frame.up)) < kUpright)
-      walls.add(cloud.weights[i], dot(n, frame.front), dot(n, frame.right));
+    if (std::abs(dot(n, frame.up)) < kUpright) walls.add(dot(n, frame.front), dot(n, frame.right));
   }
   return across(walls.longAxis());
 }
@@ -135,8 +134,7 @@ Stand aboutObject(const SphereCloud& cloud, const Frame& frame) {
   const auto seen = [&](double azimuth) {
     const Vector3 towards = frame.view(azimuth, 18.0).towards_viewer;
     double area = 0.0;
-    for (std::size_t i = 0; i < cloud.normals.size(); ++i)
-      area += cloud.weights[i] * std::abs(dot(cloud.normals[i], towards));
+    for (const Vector3& normal : cloud.normals) area += std::abs(dot(normal, towards));
     return area;
   };
   Stand stand;

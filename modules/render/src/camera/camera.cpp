@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
+#include "camera/sphere_cloud.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/turning.h"
 
@@ -187,6 +188,14 @@ std::vector<BoundingSphere> bulkOf(const std::vector<BoundingSphere>& spheres) {
   return bulk.empty() ? inside : bulk;
 }
 
+}  // namespace
+
+std::vector<BoundingSphere> detail::framedSpheres(const BoundingSpheres& object) {
+  return object.no_strays ? object.spheres : bulkOf(object.spheres);
+}
+
+namespace {
+
 constexpr int kMaxSide = 32768;
 constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly resolve a unit
 
@@ -227,11 +236,6 @@ struct FrustumFit {
     }
   }
 };
-
-/** \brief What a picture has to show. */
-std::vector<BoundingSphere> framedSpheres(const BoundingSpheres& object) {
-  return object.no_strays ? object.spheres : bulkOf(object.spheres);
-}
 
 /** \brief A camera that looks the right way from one world unit off the object's origin. */
 Camera startingCamera(const BoundingSpheres& object, const ViewDirection& direction,

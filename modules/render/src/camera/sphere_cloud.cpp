@@ -17,55 +17,130 @@ constexpr double kUpright = 0.5;  ///< most that a wall's normal points up or do
 
 }  // namespace
 
-SphereCloud::SphereCloud(const BoundingSpheres& object) {
-  for (const BoundingSphere& sphere : object.spheres) {
-    const auto &c = sphere.center, &n = sphere.normal;
-    const double weight = std::sqrt(double{sphere.points}) * sphere.radius;
-    centers.push_back({c[0], c[1], c[2]});
-    normals.push_back({n[0], n[1], n[2]});
-    radii.push_back(std::min(1.0, 2.0 * object.seen_radius) * sphere.radius);
-    weights.push_back(weight);
-    total += weight;
-    mean_normal = along(mean_normal, weight, {n[0], n[1], n[2]});
+namespace {
+
+constexpr int kCells = 40;  ///< along the longest extent
+
+/** \brief Sums of places and normals in the cells of a grid, by the way that the normals face. */
+class CellSums {
+ public:
+  explicit CellSums(const std::vector<BoundingSphere>& spheres);
+
+  /** \brief Adds places all over a disc, a cell apart. */
+  void addDisc(const Vector3& center, const Vector3& normal, double radius);
+  void moveTo(SphereCloud& cloud) const;
+  double cell() const { return cell_; }
+
+ private:
+  struct Sum {
+    float place[3] = {}, normal[3] = {}, count = 0.0f;
+  };
+
+  void add(const Vector3& place, const Vector3& normal);
+
+  Vector3 low_{};
+  double cell_ = 1.0;
+  std::array<std::size_t, 3> size_{};
+  std::vector<Sum> sums_;
+};
+
+CellSums::CellSums(const std::vector<BoundingSphere>& spheres) {
+  Bounds box;
+  for (const BoundingSphere& sphere : spheres)
+    box.add({sphere.center[0], sphere.center[1], sphere.center[2]});
+  const Vector3 extent = subtract(box.high, box.low);
+  const double longest = std::max({extent[0], extent[1], extent[2]});
+  if (longest > 0.0) cell_ = longest / kCells;
+  for (std::size_t a = 0; a < 3; ++a) {
+    size_[a] = 3 + static_cast<std::size_t>(extent[a] / cell_);
+    low_[a] = box.low[a] - cell_;
   }
-  if (empty()) return;
-  mean_normal = scaled(mean_normal, 1.0 / total);
+  sums_.resize(6 * size_[0] * size_[1] * size_[2]);
+}
+
+void CellSums::add(const Vector3& place, const Vector3& normal) {
+  std::size_t at = 0, axis = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double x = (place[a] - low_[a]) / cell_;
+    if (!(x >= 0.0) || x >= double(size_[a])) return;
+    at = at * size_[a] + static_cast<std::size_t>(x);
+    if (std::abs(normal[a]) > std::abs(normal[axis])) axis = a;
+  }
+  Sum& sum = sums_[6 * at + 2 * axis + (normal[axis] < 0.0 ? 1 : 0)];
+  for (std::size_t a = 0; a < 3; ++a) {
+    sum.place[a] += static_cast<float>(place[a]);
+    sum.normal[a] += static_cast<float>(normal[a]);
+  }
+  sum.count += 1.0f;
+}
+
+void CellSums::addDisc(const Vector3& center, const Vector3& normal, double radius) {
+  const Vector3 any = std::abs(normal[0]) < 0.6 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
+  const Vector3 u = normalized(cross(normal, any)), v = cross(normal, u);
+  const int reach = static_cast<int>(std::min(radius / cell_, double(kCells)));
+  for (int i = -reach; i <= reach; ++i) {
+    for (int k = -reach; k <= reach; ++k) {
+      if (double(i) * i + double(k) * k > double(reach) * reach) continue;
+      add(along(along(center, i * cell_, u), k * cell_, v), normal);
+    }
+  }
+}
+
+void CellSums::moveTo(SphereCloud& cloud) const {
+  for (const Sum& sum : sums_) {
+    if (sum.count == 0.0f) continue;
+    Vector3 place, normal;
+    for (std::size_t a = 0; a < 3; ++a) {
+      place[a] = sum.place[a] / sum.count;
+      normal[a] = sum.normal[a];
+    }
+    cloud.centers.push_back(place);
+    cloud.normals.push_back(normalized(normal));
+  }
+}
+
+}  // namespace
+
+SphereCloud::SphereCloud(const BoundingSpheres& object) {
+  const std::vector<BoundingSphere> framed = framedSpheres(object);
+  if (framed.empty()) return;
+  CellSums cells(framed);
+  for (const BoundingSphere& sphere : framed) {
+    const auto &c = sphere.center, &n = sphere.normal;
+    cells.addDisc({c[0], c[1], c[2]}, {n[0], n[1], n[2]}, object.seen_radius * sphere.radius);
+  }
+  cells.moveTo(*this);
+  radius = cells.cell();
+  for (const Vector3& normal : normals)
+    mean_normal = along(mean_normal, 1.0 / double(normals.size()), normal);
   for (std::size_t axis = 0; axis < 3; ++axis) measureAxis(axis);
 }
 
 void SphereCloud::measureAxis(std::size_t axis) {
-  std::vector<std::size_t> order(centers.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return centers[a][axis] < centers[b][axis]; });
-  double below = 0.0, sum = 0.0, sum_sq = 0.0, weight = 0.0;
-  low[axis] = centers[order.front()][axis];
-  high[axis] = centers[order.back()][axis];
-  bool begun = false;
-  for (const std::size_t i : order) {
-    below += weights[i];
-    if (below < 0.01 * total) continue;
-    if (!begun) low[axis] = centers[i][axis];
-    begun = true;
-    const double x = centers[i][axis] - low[axis];
-    sum += weights[i] * x;
-    sum_sq += weights[i] * x * x;
-    weight += weights[i];
-    if (below < 0.99 * total) continue;
-    high[axis] = centers[i][axis];
-    break;
+  std::vector<double> values;
+  for (const Vector3& center : centers) values.push_back(center[axis]);
+  std::sort(values.begin(), values.end());
+  const std::size_t rim = values.size() / 100;
+  low[axis] = values[rim];
+  high[axis] = values[values.size() - 1 - rim];
+  double sum = 0.0, sum_sq = 0.0, count = 0.0;
+  for (std::size_t i = rim; i < values.size() - rim; ++i) {
+    const double x = values[i] - low[axis];
+    sum += x;
+    sum_sq += x * x;
+    count += 1.0;
   }
-  const double mean = sum / weight;
-  deviation[axis] = std::sqrt(std::max(0.0, sum_sq / weight - mean * mean));
+  const double mean = sum / count;
+  deviation[axis] = std::sqrt(std::max(0.0, sum_sq / count - mean * mean));
 }
 
 double SphereCloud::flatShare(const SignedAxis& up, double side) const {
   double share = 0.0;
   for (std::size_t i = 0; i < centers.size(); ++i) {
     if (heightOf(centers[i], up) < kEnd * extent(up.axis) && side * up.of(normals[i]) > kLevel)
-      share += weights[i];
+      share += 1.0;
   }
-  return share / total;
+  return share / double(centers.size());
 }
 
 double SphereCloud::shelfShare(const SignedAxis& up) const {
@@ -73,10 +148,9 @@ double SphereCloud::shelfShare(const SignedAxis& up) const {
   double share = 0.0;
   for (std::size_t i = 0; i < centers.size(); ++i) {
     const double height = heightOf(centers[i], up);
-    if (height > end && height < extent(up.axis) - end && up.of(normals[i]) > kLevel)
-      share += weights[i];
+    if (height > end && height < extent(up.axis) - end && up.of(normals[i]) > kLevel) share += 1.0;
   }
-  return share / total;
+  return share / double(centers.size());
 }
 
 SphereCloud::Plane SphereCloud::widestPlane() const {
@@ -87,8 +161,8 @@ SphereCloud::Plane SphereCloud::widestPlane() const {
     plane.share = 0.0;
     for (std::size_t i = 0; i < normals.size(); ++i) {
       const double cosine = dot(normals[i], plane.normal);
-      if (cosine > kNear) sum = along(sum, weights[i], normals[i]);
-      if (cosine > kAlike) plane.share += weights[i] / total;
+      if (cosine > kNear) sum = along(sum, 1.0, normals[i]);
+      if (cosine > kAlike) plane.share += 1.0 / double(normals.size());
     }
     plane.normal = normalized(sum);
   }
@@ -97,8 +171,8 @@ SphereCloud::Plane SphereCloud::widestPlane() const {
 
 Vector3 middleOf(const SphereCloud& cloud) {
   Vector3 middle{};
-  for (std::size_t i = 0; i < cloud.centers.size(); ++i)
-    middle = along(middle, cloud.weights[i] / cloud.total, cloud.centers[i]);
+  for (const Vector3& center : cloud.centers)
+    middle = along(middle, 1.0 / double(cloud.centers.size()), center);
   return middle;
 }
 
@@ -145,10 +219,9 @@ double standing(const SphereCloud& cloud, const SignedAxis& up) {
 
 namespace {
 
-constexpr std::size_t kMostPieces = 20000;  ///< that a vantage is looked for with
 constexpr int kDirections = 256;
 
-/** rief Directions evenly over the sphere, along a spiral (Fibonacci's). */
+/** \brief Directions evenly over the sphere, along a spiral (Fibonacci's). */
 std::vector<Vector3> evenDirections() {
   constexpr double kGoldenAngle = 2.39996322972865332;
   std::vector<Vector3> directions;
@@ -159,58 +232,45 @@ std::vector<Vector3> evenDirections() {
   return directions;
 }
 
-/** rief Every step-th piece, each with a radius as much larger. */
-struct Pieces {
-  const SphereCloud& cloud;
-  std::size_t step;
-  double growth;
+/** \brief How far in front of a piece a place is; below 0: behind. */
+double inFront(const SphereCloud& cloud, std::size_t i, const Vector3& place) {
+  return dot(cloud.normals[i], subtract(place, cloud.centers[i]));
+}
 
-  explicit Pieces(const SphereCloud& all)
-      : cloud(all), step(1 + all.centers.size() / kMostPieces), growth(std::sqrt(double(step))) {}
+double shareFacing(const SphereCloud& cloud, const Vector3& place) {
+  double facing = 0.0;
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i) facing += inFront(cloud, i, place) > 0.0;
+  return facing / double(cloud.centers.size());
+}
 
-  /** rief How far in front of a piece a place is; below 0: behind. */
-  double height(std::size_t i, const Vector3& place) const {
-    return dot(cloud.normals[i], subtract(place, cloud.centers[i]));
+/** \brief The mean correction that brings a place before the pieces it is behind. */
+Vector3 correction(const SphereCloud& cloud, const Vector3& place, double least) {
+  Vector3 sum{};
+  double count = 0.0;
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
+    const double lacking = least - inFront(cloud, i, place);
+    if (lacking <= 0.0) continue;
+    sum = along(sum, lacking, cloud.normals[i]);
+    count += 1.0;
   }
-  double facing(const Vector3& place) const {
-    double sum = 0.0, all = 0.0;
-    for (std::size_t i = 0; i < cloud.centers.size(); i += step) {
-      all += cloud.weights[i];
-      if (height(i, place) > 0.0) sum += cloud.weights[i];
-    }
-    return sum / all;
-  }
-  /** rief The mean correction that brings a place before the pieces it is behind. */
-  Vector3 correction(const Vector3& place, double least) const {
-    Vector3 sum{};
-    double weight = 0.0;
-    for (std::size_t i = 0; i < cloud.centers.size(); i += step) {
-      const double lacking = least - height(i, place);
-      if (lacking <= 0.0) continue;
-      sum = along(sum, cloud.weights[i] * lacking, cloud.normals[i]);
-      weight += cloud.weights[i];
-    }
-    return weight > 0.0 ? scaled(sum, 1.0 / weight) : sum;
-  }
-};
+  return count > 0.0 ? scaled(sum, 1.0 / count) : sum;
+}
 
-/** rief Which pieces are met first from the vantage's place. */
-void lookAround(const Pieces& pieces, Vantage& vantage) {
-  const SphereCloud& cloud = pieces.cloud;
+/** \brief Which pieces are met first from the vantage's place. */
+void lookAround(const SphereCloud& cloud, Vantage& vantage) {
   vantage.directions = evenDirections();
   vantage.depths.assign(vantage.directions.size(), HUGE_VAL);
   vantage.met.assign(vantage.directions.size(), 0);
   std::vector<double> first(vantage.directions.size(), HUGE_VAL);
-  for (std::size_t i = 0; i < cloud.centers.size(); i += pieces.step) {
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
     const Vector3 seen = subtract(cloud.centers[i], vantage.place);
     const double height = dot(cloud.normals[i], seen);
-    const double reach = pieces.growth * cloud.radii[i];
     for (std::size_t k = 0; k < first.size(); ++k) {
       const Vector3& ray = vantage.directions[k];
       const double t = height / dot(cloud.normals[i], ray);
       if (!(t > 0.0) || t >= first[k]) continue;
       const Vector3 off = subtract(scaled(ray, t), seen);
-      if (dot(off, off) > reach * reach) continue;
+      if (dot(off, off) > cloud.radius * cloud.radius) continue;
       first[k] = t;
       vantage.met[k] = i;
       vantage.depths[k] = height < 0.0 ? t : HUGE_VAL;
@@ -249,8 +309,8 @@ double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up) {
     walls = 0.0;
     for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
       if (std::abs(cloud.normals[i][up.axis]) > kUpright) continue;
-      walls += cloud.weights[i];
-      if (dot(cloud.normals[i], direction) > 0.0) facing += cloud.weights[i];
+      walls += 1.0;
+      if (dot(cloud.normals[i], direction) > 0.0) facing += 1.0;
     }
     most = std::max(most, facing);
   }
@@ -261,7 +321,6 @@ Vantage findVantage(const SphereCloud& cloud, const Vector3& origin) {
   constexpr int kSteps = 60;
   constexpr double kPlain = 0.97;      // share that faces a place that is good enough
   constexpr double kClearance = 0.02;  // [extent] before the pieces
-  const Pieces pieces(cloud);
   const double extent = length(subtract(cloud.high, cloud.low));
   const auto inside = [&cloud](Vector3 p) {
     for (std::size_t a = 0; a < 3; ++a) p[a] = std::clamp(p[a], cloud.low[a], cloud.high[a]);
@@ -269,7 +328,7 @@ Vantage findVantage(const SphereCloud& cloud, const Vector3& origin) {
   };
   Vantage best;
   const auto consider = [&](const Vector3& place) {
-    const double facing = pieces.facing(place);
+    const double facing = shareFacing(cloud, place);
     if (facing <= best.facing) return;
     best.place = place;
     best.facing = facing;
@@ -278,9 +337,9 @@ Vantage findVantage(const SphereCloud& cloud, const Vector3& origin) {
   Vector3 place = middleOf(cloud);
   for (int step = 0; step < kSteps && best.facing < kPlain; ++step) {
     consider(place);
-    place = inside(along(place, 1.5, pieces.correction(place, kClearance * extent)));
+    place = inside(along(place, 1.5, correction(cloud, place, kClearance * extent)));
   }
-  lookAround(pieces, best);
+  lookAround(cloud, best);
   return best;
 }
 

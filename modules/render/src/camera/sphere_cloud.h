@@ -21,17 +21,20 @@ struct SignedAxis {
   }
 };
 
-/** \brief Spheres as weighted points. Each weighs the geometric mean of its area and of the scanned
- * points behind it: neither what is near a scanner counts alone, nor wide pieces with few points.
- * Local units. */
+/** \brief What a picture of a whole object has to show: the bulk of its points, without strays. */
+std::vector<BoundingSphere> framedSpheres(const BoundingSpheres& object);
+
+/** \brief The framed part of an object as even pieces: a middle and a normal of each cell of a grid
+ * and each of the six ways that normals face in it. However many balls overlap there, and however
+ * dense the scan was, a surface, its splats and its mesh have nearly the same. Local units. */
 struct SphereCloud {
   std::vector<Vector3> centers, normals;
-  std::vector<double> radii, weights;
-  double total = 0.0;
+  double radius = 0.0;    ///< of a disc that covers its cell
   Vector3 low{}, high{};  ///< bounds of the central 98 % on each axis
   Vector3 deviation{};    ///< standard deviation along each axis, inside those bounds
   Vector3 mean_normal{0.0, 0.0, 0.0};
 
+  /** \brief O(spheres + cells that they cover). */
   explicit SphereCloud(const BoundingSpheres& object);
 
   bool empty() const { return centers.empty(); }
@@ -60,13 +63,13 @@ struct SphereCloud {
 Vector3 middleOf(const SphereCloud& cloud);
 
 /** \brief How far the middle of an object must rise, over its height, for the object to tip: more
- * than 0 if it is in balance on the lower end, up to 14 degrees off. O(spheres). */
+ * than 0 if it is in balance on the lower end, up to 14 degrees off. O(pieces). */
 double standing(const SphereCloud& cloud, const SignedAxis& up);
 
 /** \brief A place that most of an object's normals face, and what is seen from there. */
 struct Vantage {
   Vector3 place{};
-  double facing = 0.0;      ///< share of the weight that faces the place
+  double facing = 0.0;      ///< share of the pieces that face the place
   double surrounded = 0.0;  ///< share of all directions in which a side that faces it is met first
   std::vector<Vector3> directions;  ///< unit, evenly over the sphere
   std::vector<double> depths;       ///< first piece met that faces the place; infinite: none
@@ -79,10 +82,10 @@ struct Vantage {
 
 /** \brief Looks for the place, among those inside an object's bounds, that as much as possible
  * faces: the origin where that serves, else by relaxation (Agmon 1954) of the half spaces that the
- * pieces face. The pieces' sides must be known. O(spheres), at most some 10^7 steps. */
+ * pieces face. O(pieces). */
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
 
-/** \brief The greatest share of the upright pieces' weight that faces one direction across the
+/** \brief The greatest share of the upright pieces that faces one direction across the
  * upward one, of eight round about: of a street's walls half, of a scene seen from one side most.
  * O(spheres). */
 double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up);

@@ -46,8 +46,8 @@ bool seenFromOrigin(const SphereCloud& cloud, const Vector3& origin, double way)
     const double depth = way * p[2];
     if (!(depth > 0.0)) return false;
     for (const double side : {-0.5, 0.5}) {
-      slopes_x.push_back((p[0] + side * cloud.radii[i]) / depth);
-      slopes_y.push_back((p[1] + side * cloud.radii[i]) / depth);
+      slopes_x.push_back((p[0] + side * cloud.radius) / depth);
+      slopes_y.push_back((p[1] + side * cloud.radius) / depth);
     }
     depths.push_back(depth);
   }
@@ -81,7 +81,7 @@ SignedAxis upOfObject(const SphereCloud& cloud) {
   constexpr double kClearlyLonger = 1.2;
   constexpr double kOpenBelow = 0.1;  // mean normals that decide which of two axes is up
   constexpr double kBase = 0.03;      // least difference of two axes' flat ends
-  constexpr double kLevel = 0.6;      // share of the area of a table that is level
+  constexpr double kLevel = 0.5;      // share of the area of a table that is level
   if (isFlatAlong(cloud, 2) || levelShare(cloud, 2) > kLevel) return kZUp;
   if (isFlatAlong(cloud, 1) || levelShare(cloud, 1) > kLevel) return kYUp;
   if (standsAlong(cloud, kYUp, kZUp)) return kYUp;
@@ -151,7 +151,7 @@ SignedAxis upOfSide(const SphereCloud& cloud) {
 
 Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
                     const SignedAxis* given) {
-  constexpr double kFaces = 0.85;    // share that faces a place from which all was seen
+  constexpr double kFaces = 0.8;     // share that faces a place from which all was seen
   constexpr double kEnclosed = 0.8;  // share of directions that a room fills
   constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling
   constexpr double kRoom = 0.3;      // mean normal of a room at most
