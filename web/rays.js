@@ -10,7 +10,7 @@ const derived = a => a.slice(1).map((c, k) => c * (k + 1));
 /** Roots of a polynomial in an interval, ascending: one between neighbouring roots of its derivative. */
 export function roots(a, low, high) {
   while (a.length > 1 && a[a.length - 1] === 0) a = a.slice(0, -1);
-  if (a.length < 2) return [];
+  if (a.length < 2 || low > high) return [];
   const slope = derived(a), stops = [low, ...roots(slope, low, high), high], found = [];
   for (let k = 1; k < stops.length; ++k) {
     let l = stops[k - 1], h = stops[k];
@@ -188,8 +188,7 @@ function colorAt(s, rules, point, normal) {
 export function cast(s, rules, eye, direction) {
   const part = rules.clip ? within(rules.clip, eye, direction, rules.near) : [rules.near, Infinity];
   if (!part) return null;
-  const [begin, end] = part;
-  let nearest = begin;
+  let [nearest, end] = part;
   for (let layer = 0; layer < rules.kMaxLayers; ++layer) {
     const first = firstHit(s, rules, eye, direction, nearest);
     if (first > end || first === Infinity) return null;
@@ -197,8 +196,8 @@ export function cast(s, rules, eye, direction) {
                  offsets: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);
     if (sum.leaf < 0) return null;
-    const depth = first + sum.shift / sum.weight, isClipped = rules.clip && (depth < begin || depth > end);
-    if (!isClipped && isSupported(s, rules, sum)) {
+    if (isSupported(s, rules, sum)) {
+      const depth = first + sum.shift / sum.weight;
       const [kMax, kMin] = principal(scaled(sum.gradient, 1 / sum.weight),
                                      sum.hessian.map(row => scaled(row, 1 / sum.weight)));
       const point = along(eye, depth, direction), normal = unit(sum.gradient), hit = {depth, point, normal, kMax, kMin, leaf: sum.leaf};

@@ -18,8 +18,8 @@ export class SurfaceFrames extends Frames {
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
     this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
-    const {clipped, ...programs} = surfacePrograms(page.constants);
-    this.compile(programs, clipped);
+    const {box, ...programs} = surfacePrograms(page.constants);
+    this.compile(programs, {box});
     this.query = gl.createQuery();
   }
 
@@ -56,7 +56,7 @@ export class SurfaceFrames extends Frames {
 
   /** First hits, blends and what they give; what is uncovered waits for another round. */
   drawRound() {
-    const gl = this.gl, t = this.targets, from = this.round++ % 2, inBox = this.rules.clip ? 'InBox' : '';
+    const gl = this.gl, t = this.targets, from = this.round++ % 2;
     this.isNamed = this.isPainted = false;
     const nearest = {slimNearest: t.nearest[from]};
     this.clear(t.into.first, [NOTHING, 0, 0, 0]);
@@ -75,10 +75,10 @@ export class SurfaceFrames extends Frames {
 
     const sums = Object.fromEntries(t.sums.map((texture, k) => [`slimSums${k}`, texture]));
     gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.result);
-    this.drawFrame(`result${inBox}`, {slimFirst: t.first, ...nearest, ...sums});
+    this.drawFrame('result', {slimFirst: t.first, ...nearest, ...sums});
     this.clear(t.into.nearest[1 - from], [-1, 0, 0, 0]);
     gl.beginQuery(gl.ANY_SAMPLES_PASSED, this.query);
-    this.drawFrame(`peel${inBox}`, {slimFirst: t.first, ...nearest, ...sums});
+    this.drawFrame('peel', {slimFirst: t.first, ...nearest, ...sums});
     gl.endQuery(gl.ANY_SAMPLES_PASSED);
   }
 

@@ -159,42 +159,20 @@ void main()
 }
 `;
 
-/** The clipping box on a pixel's ray. */
-const SPAN = `
+/** Where rays enter the clipping box, and as depth where they leave it. */
+const BOX = `
 uniform vec3 slimLow, slimHigh;  // corners relative to the eye
-uniform float slimNear;
-
-// Where the ray enters and leaves the box; beside it, it enters behind where it leaves.
-vec2 slimSpan()
+uniform float slimNear, slimFar;
+void main()
 {
   vec2 slopes = slimSlopes();
   vec3 direction = slimDirection(slopes), aside = slimScreen.w > 0.0 ? slimAxes * vec3(slopes, 0.0) : vec3(0.0);
   direction = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
   vec3 low = (slimLow - aside) / direction, high = (slimHigh - aside) / direction;
   vec3 begins = min(low, high), ends = max(low, high);
-  return vec2(max(max(begins.x, begins.y), max(begins.z, slimNear)), min(ends.x, min(ends.y, ends.z)));
-}
-`;
-
-/** Where rays enter the box, and as depth where they leave it. */
-const BOX = `
-uniform float slimFar;
-void main()
-{
-  vec2 span = slimSpan();
-  bool meets = span.x < span.y;
-  slimOut[0] = vec4(meets ? span.x : 1e30);
-  gl_FragDepth = meets ? clamp(span.y / slimFar, 0.0, 1.0) : 0.0;
-}
-`;
-
-/** In place of slimSupported(), which is renamed: a blend outside the box is none. */
-const SUPPORTED_IN_BOX = `
-bool slimSupported(vec4 sum, vec3 offsets, float outside)
-{
-  vec2 span = slimSpan();
-  float depth = texelFetch(slimFirst, ivec2(gl_FragCoord.xy), 0).x + sum.y / sum.x;
-  return depth >= span.x && depth <= span.y && slimCovered(sum, offsets, outside);
+  float begin = max(max(begins.x, begins.y), max(begins.z, slimNear)), end = min(ends.x, min(ends.y, ends.z));
+  slimOut[0] = vec4(begin < end ? begin : 1e30);
+  gl_FragDepth = begin < end ? clamp(end / slimFar, 0.0, 1.0) : 0.0;
 }
 `;
 
@@ -259,14 +237,13 @@ void main()
 }
 `;
 
-/** The programs of a surface: [vertex shader, fragment shader] by name; in `clipped` those that a clipping box needs. */
+/** The programs of a surface: [vertex shader, fragment shader] by name. */
 export function surfacePrograms(constants) {
   const head = HEAD(constants), es = text => text.replace(/gl_FragData\[(\d)\]/g, 'slimOut[$1]');
   const camera = SHARED.kCameraGlsl, vertexCamera = camera.slice(0, camera.indexOf('vec2 slimSlopes'));
   const hull = head + vertexCamera + SHARED.kSurfel + HULL_VERTEX, frame = head + FRAME_VERTEX;
   const ofLeaves = (outputs, ...parts) => head + OUTPUTS(outputs) + es(camera + SHARED.kLeafGlsl + parts.join(''));
   const ofFrame = (outputs, ...parts) => head + OUTPUTS(outputs) + es(parts.join(''));
-  const sumsInBox = camera + SPAN + SHARED.kSums.replace('slimSupported', 'slimCovered') + SUPPORTED_IN_BOX;
   const renamed = text => text.replace('void main()', 'void slimMain()');
   return {
     first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
@@ -279,10 +256,6 @@ export function surfacePrograms(constants) {
     shade: [frame, ofFrame(1, camera, GEOMETRY, SHARED.kSrgb, SHARED.kLight, SHADE)],
     present: [frame, ofFrame(1, SHARED.kSrgb, PRESENT)],
     lines: [head + vertexCamera + LINE_VERTEX, ofFrame(1, LINE)],
-    clipped: {
-      box: [frame, ofFrame(1, camera, SPAN, BOX)],
-      resultInBox: [frame, ofFrame(3, sumsInBox, SHARED.kResult)],
-      peelInBox: [frame, ofFrame(1, sumsInBox, SHARED.kPeel)],
-    },
+    box: [frame, ofFrame(1, camera, BOX)],
   };
 }

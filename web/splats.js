@@ -154,12 +154,12 @@ export class SplatFrames extends Frames {
     super(gl, splats, 2 ** Math.round(Math.log2(radii[radii.length >> 1] || 1)), page, gl.RGBA16F);
     this.rules = rules;
     this.discs = this.dataTexture(this.texels(), 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
-    const {shade, present, lines, clipped} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
+    const {shade, present, lines, box} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
     const camera = shade[1].slice(shade[1].indexOf('uniform vec3 slimEye;'), shade[1].indexOf('uniform sampler2D slimGeometry'));
     const vertex = head + camera.slice(0, camera.indexOf('vec2 slimSlopes')) + VERTEX;
     const passes = begin => [[vertex, head + OUTPUTS(2) + camera + FIRST(begin)], [vertex, head + OUTPUTS(5) + camera + BLEND(begin)]];
     const [first, blend] = passes('slimNear'), [firstInBox, blendInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
-    this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box: clipped.box, firstInBox, blendInBox});
+    this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, firstInBox, blendInBox});
   }
 
   /** Centre and radius; normal; u axis and change of blue along u; colour and change of blue along v; other changes. */
