@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kernels/splat_kernels.h"
+#include "planes/planes.h"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernels/normal_kernels.cpp"
+#define HWY_TARGET_INCLUDE "planes/plane_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "kernels/vector_types-inl.h"
 #include "pcl_slim/core/detail/lane_packing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
+namespace pcl_slim::detail::plane_kernels::HWY_NAMESPACE {
 
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
 using Vec = hn::Vec<Floats>;
 using Mask = hn::Mask<Floats>;
 using kernels::HWY_NAMESPACE::LanePacking;
@@ -169,8 +170,8 @@ HWY_INLINE void blend(Vec values, std::uint32_t lanes, float* to) {
   for (; lanes != 0; lanes &= lanes - 1) to[__builtin_ctz(lanes)] = all[__builtin_ctz(lanes)];
 }
 
-void findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
-                 std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals) {
+void findPlanes(const PointStore& store, std::size_t block, const BlockSurroundings& points,
+                std::uint32_t chosen, float reach, float most, float k, BlockPlanes& planes) {
   const Floats d;
   const auto wanted = Set(d, k), most_sq = Set(d, most * most);
   for (std::size_t lane = 0; lane < PointStore::kBlock; lane += hn::Lanes(d)) {
@@ -181,28 +182,31 @@ void findNormals(const PointStore& store, std::size_t block, const BlockSurround
     const auto reach_sq = rescaled(points, center, Set(d, reach * reach), wanted, most_sq);
     const Covariance covariance(points, center, reach_sq);
     Vec square;
-    const Vectors n = nullVector(covariance, covariance.leastEigenvalue(), square);
+    const Vec least = covariance.leastEigenvalue();
+    const Vectors n = nullVector(covariance, least, square);
     const auto unit = Set(d, 1.0f) / Sqrt(square);
     const auto enough = covariance.count >= wanted * Set(d, 0.6f);
     const auto few = covariance.count <= wanted * Set(d, 1.7f);
     std::uint8_t bits[8] = {};
     StoreMaskBits(d, And(And(enough, few), square > Set(d, 1e-12f)), bits);
     const std::uint32_t found = ours & (bits[0] | static_cast<std::uint32_t>(bits[1]) << 8);
-    normals.found |= found << lane;
-    blend(n.x * unit, found, normals.x.data() + lane);
-    blend(n.y * unit, found, normals.y.data() + lane);
-    blend(n.z * unit, found, normals.z.data() + lane);
+    planes.found |= found << lane;
+    blend(n.x * unit, found, planes.x.data() + lane);
+    blend(n.y * unit, found, planes.y.data() + lane);
+    blend(n.z * unit, found, planes.z.data() + lane);
+    const auto trace = covariance.xx + covariance.yy + covariance.zz;
+    blend(least / Max(trace, Set(d, 1e-12f)), found, planes.variation.data() + lane);
   }
 }
 
-}  // namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE
+}  // namespace pcl_slim::detail::plane_kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace pcl_slim::detail::splat_kernels {
+namespace pcl_slim::detail::plane_kernels {
 
 HWY_EXPORT(gatherSurroundings);
-HWY_EXPORT(findNormals);
+HWY_EXPORT(findPlanes);
 
 void gatherSurroundings(const PointStore& store, std::size_t block,
                         const std::vector<std::uint32_t>& blocks, const float low[3],
@@ -210,10 +214,10 @@ void gatherSurroundings(const PointStore& store, std::size_t block,
   HWY_DYNAMIC_DISPATCH(gatherSurroundings)(store, block, blocks, low, high, points);
 }
 
-void findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
-                 std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals) {
-  HWY_DYNAMIC_DISPATCH(findNormals)(store, block, points, chosen, reach, most, k, normals);
+void findPlanes(const PointStore& store, std::size_t block, const BlockSurroundings& points,
+                std::uint32_t chosen, float reach, float most, float k, BlockPlanes& planes) {
+  HWY_DYNAMIC_DISPATCH(findPlanes)(store, block, points, chosen, reach, most, k, planes);
 }
 
-}  // namespace pcl_slim::detail::splat_kernels
+}  // namespace pcl_slim::detail::plane_kernels
 #endif
