@@ -56,22 +56,18 @@ Values valuesOf(const ProjectedPoint& point) {
 /** The scan's points, unmoved, with the surface's fields. */
 PointFile withCurvatures(const PointFile& file, const CloudProjection& projection,
                          const ProjectionJob& job) {
-  const bool had_normals = findField(file.cloud, "normal_x") >= 0;
   const std::vector<std::string> names = fieldNames(job.more_fields);
   PointFile made = withRealFields(file, names, kFloat32);
   std::vector<FieldWriter> fields;
+  fields.reserve(names.size());
   for (const std::string& name : names) fields.emplace_back(made.cloud, name);
-  Values unknown;
-  unknown.fill(std::numeric_limits<float>::quiet_NaN());
-  parallelFor(projection.size(), resolveThreads(job.projection.threads), 4096,
-              [&](std::size_t i, int) {
-                const bool known = projection.isSupported(i);
-                const Values values = known ? valuesOf(projection.point(i)) : unknown;
-                for (std::size_t k = 0; k < fields.size(); ++k) {
-                  const bool is_normal = k >= 4 && k < 7;
-                  if (known || !is_normal || !had_normals) fields[k].set(i, values[k]);
-                }
-              });
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const ProjectedPoint unknown = CloudProjection::unknownPoint({kNan, kNan, kNan});
+  parallelFor(
+      projection.size(), resolveThreads(job.projection.threads), 4096, [&](std::size_t i, int) {
+        const Values values = valuesOf(projection.isFinite(i) ? projection.point(i) : unknown);
+        for (std::size_t k = 0; k < fields.size(); ++k) fields[k].set(i, values[k]);
+      });
   return made;
 }
 
@@ -109,7 +105,7 @@ Exit run(const OptionTable& options, ProjectionJob& job) {
 
 int main(int argc, char** argv) {
   ProjectionJob job;
-  job.projection.directions = true;
+  job.projection.directions = job.projection.planes = true;
   OptionTable options = declareOptions(job);
   return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, job); });
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/program.h"
+#include "pcl_slim/cloud/neighbor_planes.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_file.h"
@@ -27,7 +28,7 @@ OptionTable declareOptions(Settings& s) {
                       "Spreads points evenly over the SLIM surface of a scan: blue noise.");
   options.positional("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
   options.positional("OUT.pcd|.ply|.las|.vtp", &s.files.output,
-                     "the points, with normals, mean and Gaussian curvature");
+                     "the points, with normals and curvatures");
   options.number("spacing", &s.sampling.spacing, 1e-300, 1e300,
                  "least distance of two points, in the scan's units", "off");
   options.integer("number", &s.sampling.count, 0, kMostSamples,
@@ -53,7 +54,7 @@ Error finishSettings(Settings& s) {
 }
 
 /** Points are doubles where floats would move them by a share of their spacing. */
-PointFile toFile(const SurfaceSamples& samples) {
+PointFile toFile(const SurfaceSamples& samples, int threads) {
   constexpr double kShare = 1e-4;
   double largest = 0;
   for (const auto& p : samples.position) {
@@ -66,19 +67,28 @@ PointFile toFile(const SurfaceSamples& samples) {
   const std::uint8_t real = kFloat32, wide = kFloat64;
   file = withRealFields(file, {"x", "y", "z"}, far ? wide : real);
   file = withRealFields(
-      file, {"normal_x", "normal_y", "normal_z", "curvature", "gaussian_curvature"}, real);
+      file,
+      {"normal_x", "normal_y", "normal_z", "curvature", "mean_curvature", "gaussian_curvature"},
+      real);
   if (!samples.color.empty()) file = withRealFields(file, {"rgb"}, real);
   std::vector<FieldWriter> fields;
   for (const auto& field : file.cloud.fields) fields.emplace_back(file.cloud, field.name);
+  CloudView places;
+  places.xyz = samples.position.data();
+  places.xyz_stride = sizeof(samples.position[0]);
+  places.scalar = CloudView::Scalar::kDouble;
+  places.size = samples.size();
+  const std::vector<float> variation = surfaceVariation(places, threads);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
       fields[a].set(i, samples.position[i][a]);
       fields[3 + a].set(i, samples.normal[i][a]);
     }
-    fields[6].set(i, samples.curvature[i][0]);
-    fields[7].set(i, samples.curvature[i][1]);
+    fields[6].set(i, std::isnan(variation[i]) ? 0.0f : variation[i]);
+    fields[7].set(i, samples.curvature[i][0]);
+    fields[8].set(i, samples.curvature[i][1]);
     if (samples.color.empty()) continue;
-    auto* bgr = file.cloud.data.data() + i * file.cloud.point_step + file.cloud.fields[8].offset;
+    auto* bgr = file.cloud.data.data() + i * file.cloud.point_step + file.cloud.fields[9].offset;
     for (std::size_t c = 0; c < 3; ++c) bgr[2 - c] = samples.color[i][c];
   }
   return file;
@@ -128,7 +138,8 @@ Exit run(const OptionTable& options, Settings& s) {
   SurfaceSamples samples;
   if (Error error = sample(s, surface, console, report, samples)) return error;
   return saveOutput(
-      s.files.output, s.files.json, [&] { return savePointFile(s.files.output, toFile(samples)); },
+      s.files.output, s.files.json,
+      [&] { return savePointFile(s.files.output, toFile(samples, s.sampling.threads)); },
       std::to_string(samples.size()) + " points", console, report);
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_smooth: moves a scan's points onto its SLIM surface; every other field stays.
+#include <array>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -23,12 +25,15 @@ OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_slim_smooth", PCL_SLIM_VERSION,
                       "Smooths a scan: moves its points onto the SLIM surface fitted to it.");
   options.toggle("normals", &s.job.more_fields,
-                 "also write the surface's normals and mean curvature; of a mesh, normals alone");
+                 "also write the surface's normals and PCL's curvature; of a mesh, normals alone");
+  options.toggle("curvatures", &s.job.curvatures,
+                 "also write k1 k2 mean_curvature gaussian_curvature of the surface");
   options.toggle("mesh", &s.mesh,
                  "smooth the faces of a mesh, not its points; -sharp 0 or 1: round or keep all "
                  "edges, else as measured");
   declareProjection(options, s.job);
   // A mesh has its normals, and their sides, from its faces.
+  options.exclusive({"mesh", "curvatures"});
   for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory", "frames",
                            "estimate_normals", "use_normals"}) {
     options.exclusive({"mesh", name});
@@ -39,56 +44,66 @@ OptionTable declareOptions(Settings& s) {
 /** Completes the settings and checks what can be checked before the input is read. */
 Error finishSettings(const OptionTable& options, Settings& s) {
   s.sharp_given = options.given("sharp");
-  s.job.projection.curvature = s.job.more_fields;
+  s.job.projection.planes = s.job.more_fields;
+  s.job.projection.directions = s.job.curvatures;
   if (Error error = finishProjection(options, s.job)) return error;
   if (!s.mesh || !s.job.tiles.asked) return {};
   return {ErrorCode::kBadArgument, "-mesh is not possible by tiles: give -tile_points 0"};
 }
 
+constexpr std::initializer_list<const char*> kNormals = {"normal_x", "normal_y", "normal_z"};
+constexpr std::initializer_list<const char*> kCurvatures = {"k1", "k2", "mean_curvature",
+                                                            "gaussian_curvature"};
+
 /** The output's fields that a projection fills. */
 class SmoothFields {
  public:
-  SmoothFields(PointTable& cloud, bool normals) : normals_(normals) {
+  SmoothFields(PointTable& cloud, const ProjectionJob& job) {
     for (const char* name : {"x", "y", "z"}) position_.emplace_back(cloud, name);
-    if (!normals) return;
-    for (const char* name : {"normal_x", "normal_y", "normal_z"}) normal_.emplace_back(cloud, name);
-    normal_.emplace_back(cloud, "curvature");
+    for (const char* name : kNormals)
+      if (job.more_fields) normal_.emplace_back(cloud, name);
+    if (job.more_fields && !job.in_pieces) normal_.emplace_back(cloud, "curvature");
+    for (const char* name : kCurvatures)
+      if (job.curvatures) curvature_.emplace_back(cloud, name);
   }
 
   void move(std::size_t i, const ProjectedPoint& point) const {
-    for (std::size_t a = 0; a < 3; ++a) {
-      position_[a].set(i, point.position[a]);
-      if (normals_) normal_[a].set(i, point.normal[a]);
-    }
-    if (normals_) normal_[3].set(i, point.mean_curvature);
+    for (std::size_t a = 0; a < 3; ++a) position_[a].set(i, point.position[a]);
   }
 
-  void clearNormal(std::size_t i) const {
-    for (const FieldWriter& field : normal_) field.set(i, std::numeric_limits<float>::quiet_NaN());
+  void describe(std::size_t i, const ProjectedPoint& point) const {
+    const auto& n = point.normal;
+    write({n[0], n[1], n[2], point.surface_variation}, normal_, i);
+    write({point.principal.k1, point.principal.k2, point.mean_curvature, point.gaussian_curvature},
+          curvature_, i);
   }
 
  private:
-  bool normals_;
-  std::vector<FieldWriter> position_, normal_;
+  static void write(const std::array<float, 4>& values, const std::vector<FieldWriter>& fields,
+                    std::size_t i) {
+    for (std::size_t k = 0; k < fields.size(); ++k) fields[k].set(i, values[k]);
+  }
+
+  std::vector<FieldWriter> position_, normal_, curvature_;
 };
 
 /** The scan's points on the surface, with normals where they are wanted. */
 PointFile smoothed(const PointFile& file, const CloudProjection& projection,
                    const ProjectionJob& job) {
-  const bool normals = job.more_fields;
-  const bool had_normals = findField(file.cloud, "normal_x") >= 0;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const ProjectedPoint unknown = CloudProjection::unknownPoint({kNan, kNan, kNan});
   // Integer coordinates cannot represent the points' new positions.
   PointFile made = withRealFields(file, {"x", "y", "z"}, kFloat64);
-  if (normals) {
-    made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"}, kFloat32);
-  }
-  const SmoothFields fields(made.cloud, normals);
+  if (job.more_fields) made = withRealFields(made, {kNormals.begin(), kNormals.end()}, kFloat32);
+  if (job.more_fields && !job.in_pieces) made = withRealFields(made, {"curvature"}, kFloat32);
+  if (job.curvatures)
+    made = withRealFields(made, {kCurvatures.begin(), kCurvatures.end()}, kFloat32);
+  const SmoothFields fields(made.cloud, job);
   parallelFor(projection.size(), resolveThreads(job.projection.threads), 4096,
               [&](std::size_t i, int) {
-                if (projection.isSupported(i))
-                  fields.move(i, projection.point(i));
-                else if (!had_normals && !projection.isFinite(i))
-                  fields.clearNormal(i);
+                const ProjectedPoint point = projection.isFinite(i) ? projection.point(i) : unknown;
+                if (projection.isSupported(i)) fields.move(i, point);
+                fields.describe(i, point);
               });
   return made;
 }
@@ -141,7 +156,8 @@ PointFile meshFile(const CloudFile& cloud, const SmoothedMesh& mesh, bool normal
   return made;
 }
 
-/** Smooths the scan's mesh; prints and reports it. \param[in] surface in place of a fit, or null. */
+/** Smooths the scan's mesh; prints and reports it. \param[in] surface in place of a fit, or null.
+ */
 Result<PointFile> smoothFaces(const Settings& s, const CloudFile& scan, const SLIMSurface* surface,
                               Console& console, Report& report) {
   console.begin("Smoothing the mesh");
@@ -169,8 +185,8 @@ Result<PointFile> smoothFaces(const Settings& s, const CloudFile& scan, const SL
   return meshFile(scan, mesh, s.job.more_fields);
 }
 
-/** Fits, unless a surface was read, and moves the scan's points onto the surface. Points that are no
- * surface stay where they are. */
+/** Fits, unless a surface was read, and moves the scan's points onto the surface. Points that are
+ * no surface stay where they are. */
 Result<PointFile> smoothPoints(const Settings& s, const CloudFile& scan, SLIMSurface& surface,
                                Console& console, Report& report) {
   const bool fits = s.job.surface.empty();

@@ -67,6 +67,8 @@ Error PieceStream::openRows(Console& console) {
   }
   if (Error error = reader_.open(job_.files.input)) return error;
   open_ = true;
+  job_.in_pieces = true;
+  job_.projection.planes = false;
   const double row = kBytesOfProjection + kCopiesOfRow * static_cast<double>(reader_.layout().step);
   if (Error error = checkMemory(row * static_cast<double>(rows()),
                                 "projecting " + std::to_string(rows()) + " points"))

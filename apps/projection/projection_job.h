@@ -19,6 +19,10 @@ struct ProjectionJob {
   TileRequest tiles;
   ProjectionParams projection;
   bool more_fields = false;  ///< the switch of the program's own: which fields are written
+  bool curvatures = false;   ///< write the surface's curvatures, too
+  /// a point's neighbours are not at hand: no surface variation, no normals of points without
+  /// support
+  bool in_pieces = false;
 };
 
 /** \brief Adds the arguments and options that these programs share; the job must outlive the

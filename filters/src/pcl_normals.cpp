@@ -187,7 +187,7 @@ Error estimateNormals(const CloudView& cloud, int k,
                       const std::optional<std::array<double, 3>>& viewpoint, int threads,
                       std::vector<float>& normals) {
   const PlainPoints plain(cloud);
-  normals.assign(cloud.size * 3, 0.0f);
+  normals.assign(cloud.size * 3, std::numeric_limits<float>::quiet_NaN());
   if (plain.source.empty()) return {};
   FitParams params;
   params.threads = threads;

@@ -30,7 +30,7 @@ bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitte
   });
   if (!done) {
     fitted_surface_.reset();
-    warning_.clear();
+    clearWarning();
     no_surface_ = false;
     return false;
   }
@@ -45,7 +45,7 @@ bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitte
 bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& requested,
                                      CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
-  const SurfaceConstPtr surface = surface_ ? surface_ : fitted_surface_;
+  const SurfaceConstPtr surface = given_surface_ ? given_surface_ : fitted_surface_;
   if (!surface) return fail(ErrorCode::kNoSurface, "there is no surface to project onto");
   return guarded("the projection", "process fewer points", [&]() -> Error {
     // These are places: how many of them a given surface supports says nothing about it.
@@ -60,15 +60,15 @@ bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionPa
 Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
                                         const FitParams& fit, const ProjectionParams& requested,
                                         CloudProjection& projection) {
-  if (!surface_) {
+  if (!given_surface_) {
     auto made = projectOnFit(points, fitted, fit, requested);
     if (!made) return made.error();
     projection = std::move(*made);
     return {};
   }
-  if (Error error = surface_->validate()) return error;
-  auto made =
-      projectScan(points, *surface_, SurfaceOrigin::kGiven, fit, requested, &control_.progress);
+  if (Error error = given_surface_->validate()) return error;
+  auto made = projectScan(points, *given_surface_, SurfaceOrigin::kGiven, fit, requested,
+                          &control_.progress);
   if (!made) return made.error();
   projection = std::move(*made);
   input_statistics_ = projection.inputStatistics();
@@ -84,7 +84,10 @@ Result<CloudProjection> SLIMProjectionBase::projectOnFit(const CloudView& points
   // Points that are no surface may stay as they are: they are projected onto an empty one.
   if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
   no_surface_ = static_cast<bool>(error);
-  if (error) warning_ = error.message;
+  if (error) {
+    clearWarning();
+    warn(error.message + "; the points stay as they are");
+  }
   const auto surface = std::make_shared<const SLIMSurface>(std::move(scan.surface));
   if (!error) fitted_surface_ = surface;
   return projectScan(points, *surface, SurfaceOrigin::kFitted, fit, requested, &control_.progress,

@@ -19,7 +19,27 @@ namespace pcl_slim {
 
 void ControlledRun::clearResults() {
   error_ = {};
+  clearWarning();
+}
+
+void ControlledRun::clearWarning() {
   warning_.clear();
+  printed_.clear();
+}
+
+void ControlledRun::addWarning(const std::string& sentence) {
+  if (warning_.find(sentence) != std::string::npos) return;  // of a second fit
+  warning_ += (warning_.empty() ? "" : "; ") + sentence;
+}
+
+void ControlledRun::warn(const std::string& sentence) {
+  addWarning(sentence);
+  if (printed_.find(sentence) != std::string::npos) return;
+  printed_ += (printed_.empty() ? "" : "; ") + sentence;
+}
+
+void ControlledRun::printWarning(const char* verb) const {
+  if (!printed_.empty()) PCL_WARN("[pcl_slim::%s] %s\n", verb, printed_.c_str());
 }
 
 bool ControlledRun::fail(ErrorCode code, const std::string& message) {
@@ -29,7 +49,7 @@ bool ControlledRun::fail(ErrorCode code, const std::string& message) {
 
 void ControlledRun::warnOfSides(SideSource source, const NormalAgreement& normals) {
   for (const std::string& note : sideNotes(source, normals, "setViewPoint(x, y, z)"))
-    warning_ += (warning_.empty() ? "" : "; ") + note;
+    addWarning(note);
 }
 
 bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
@@ -50,6 +70,7 @@ bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*ca
 
 void SLIMFitBase::setViewPoint(double x, double y, double z) {
   params_.viewpoint = std::array<double, 3>{x, y, z};
+  sensors_.reset();
 }
 
 bool SLIMFitBase::getViewPoint(double& x, double& y, double& z) const {
@@ -67,9 +88,9 @@ void SLIMFitBase::clearResults() {
 
 Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted) {
   if (params.sharp_features && scan.points.normal == nullptr) {
-    PCL_WARN(
-        "[pcl_slim] sharp features have no effect without normals; set some, or estimate them: "
-        "setNormalEstimationNeighbors(30)\n");
+    warn(
+        "sharp features have no effect without normals; set some, or estimate them: "
+        "setNormalEstimationNeighbors(30)");
   }
   Error error = fitScan(scan, params, fitted, &control_.progress);
   statistics_ = fitted.statistics;

@@ -121,11 +121,11 @@ Error SLIMMeshSmoother::smooth(pcl::PolygonMesh& made) {
   params.edges = edges_;
   SmoothedMesh smoothed;
   auto fitted = std::make_shared<SLIMSurface>();
-  Error error = smoothMesh(view, facesOf(*input_), params, surface_.get(), smoothed,
+  Error error = smoothMesh(view, facesOf(*input_), params, given_surface_.get(), smoothed,
                            &mesh_statistics_, fitted.get(), &control_.progress);
   statistics_ = mesh_statistics_.fit;
   if (error) return error;
-  if (!surface_) fitted_surface_ = fitted;
+  if (!given_surface_) fitted_surface_ = fitted;
   made = *input_;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (smoothed.vertices[i] != vertices[i]) xyz.write(smoothed.vertices[i], i, made.cloud);

@@ -12,6 +12,7 @@
 
 #include "finite_points.h"
 #include "input_types.h"
+#include "pcl_slim/cloud/neighbor_planes.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/mesh_colors.h"
@@ -58,7 +59,7 @@ Error colorFromPoints(const CloudView& cloud, const ColorView& colors, int threa
 
 namespace {
 
-constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that trim maps may and do keep
+constexpr double kLeastHole = 2;  ///< spacings that trim maps keep at least
 
 }  // namespace
 
@@ -69,12 +70,24 @@ void SLIMReconstructionBase::clearMesh() {
   fitted_surface_.reset();
 }
 
+std::vector<float> SLIMReconstructionBase::vertexVariation() const {
+  CloudView view;
+  view.xyz = mesh_.vertices.data();
+  view.xyz_stride = sizeof(mesh_.vertices[0]);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.size = mesh_.vertices.size();
+  std::vector<float> variation = surfaceVariation(view, params_.threads);
+  for (float& value : variation)
+    if (std::isnan(value)) value = 0.0f;
+  return variation;
+}
+
 bool SLIMReconstructionBase::fitSurfaces(const CloudView& cloud, SLIMSurface& surface,
                                          SLIMSurface& sharp) {
   FitParams fit = params_;
-  // Trim maps keep holes as small as the mesh is to have.
-  if (mesh_params_.hole_size > 0)
-    fit.hole_size = std::clamp(mesh_params_.hole_size, kLeastHole, kUsualHole);
+  // Trim maps keep holes as small as the mesh is to have, unless the user chose which.
+  if (mesh_params_.hole_size > 0 && fit.hole_size == FitParams().hole_size)
+    fit.hole_size = std::clamp(mesh_params_.hole_size, kLeastHole, fit.hole_size);
   if (fit.sharp_features && cloud.normal != nullptr) {
     FitParams edges = fit;
     edges.trim = false;
@@ -89,7 +102,7 @@ bool SLIMReconstructionBase::makeMesh(const ScanView& scan) {
   params.trim = params_.trim;
   params.threads = params_.threads;
   if (const Error error = params.validate()) return fail(error.code, error.message);
-  SurfaceConstPtr surface = surface_;
+  SurfaceConstPtr surface = given_surface_;
   SLIMSurface sharp;
   if (!surface) {
     auto fitted = std::make_shared<SLIMSurface>();
@@ -112,7 +125,7 @@ bool SLIMReconstructionBase::makeMesh(const ScanView& scan) {
     mesh_.clear();
     return false;
   }
-  if (!surface_) fitted_surface_ = surface;
+  if (!given_surface_) fitted_surface_ = surface;
   return true;
 }
 

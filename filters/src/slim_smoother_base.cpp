@@ -5,6 +5,7 @@
 #include <pcl/point_types.h>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -47,42 +48,24 @@ bool isPositive(double value) {
 
 }  // namespace
 
-void SLIMSmootherBase::warnUnused(const char* setter) {
-  if (warned_) return;
-  warned_ = true;
-  PCL_WARN(
-      "[pcl_slim::SLIMProjectionSmoother::%s] accepted for MovingLeastSquares' sake; it has no "
-      "effect "
-      "here\n",
-      setter);
-}
-
-void SLIMSmootherBase::setSqrGaussParam(double value) {
-  sqr_gauss_param_ = value;
-  warnUnused("setSqrGaussParam");
-}
-
 double SLIMSmootherBase::getSqrGaussParam() const {
   return sqr_gauss_param_ > 0 ? sqr_gauss_param_ : search_radius_ * search_radius_;
 }
 
-void SLIMSmootherBase::setCacheMLSResults(bool cache) {
-  cache_results_ = cache;
-  if (cache) warnUnused("setCacheMLSResults");
-}
-
-void SLIMSmootherBase::setProjectionMethod(pcl::MLSResult::ProjectionMethod method) {
-  projection_method_ = method;
-  warnUnused("setProjectionMethod");
+void SLIMSmootherBase::warnUnused() {
+  std::string setters;
+  const auto name = [&](bool called, const char* setter) {
+    if (called) setters += (setters.empty() ? "" : ", ") + std::string(setter);
+  };
+  name(sqr_gauss_param_ != 0, "setSqrGaussParam");
+  name(cache_results_, "setCacheMLSResults");
+  name(projection_method_ != pcl::MLSResult::SIMPLE, "setProjectionMethod");
+  if (!setters.empty()) warn("no effect here, unlike in MovingLeastSquares: " + setters);
 }
 
 Error SLIMSmootherBase::checkSmoother(bool has_distinct) const {
   if (!(search_radius_ >= 0) || !std::isfinite(search_radius_))
     return {ErrorCode::kBadArgument, "the search radius must not be negative (0: none)"};
-  if (curvature_ == kSurfaceVariation && search_radius_ == 0) {
-    return {ErrorCode::kBadArgument,
-            "surface variation is that of a neighbourhood: give its radius to setSearchRadius()"};
-  }
   switch (upsampling_) {
     case NONE: return {};
     case DISTINCT_CLOUD:
@@ -128,28 +111,24 @@ std::vector<SLIMSmootherBase::CommonBytes> SLIMSmootherBase::commonFields(
 void SLIMSmootherBase::complain() const {
   if (error_ && error_.code != ErrorCode::kCancelled)
     PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
-  if (foundNoSurface()) {
-    PCL_WARN("[pcl_slim::SLIMProjectionSmoother::process] %s; the points stay as they are\n",
-             getWarning().c_str());
-  }
+  if (!error_) printWarning("SLIMProjectionSmoother::process");
 }
 
-double SLIMSmootherBase::noiseOf(const SLIMSurface& surface) {
-  const double sigma = surface.info.diagonal * surface.info.scale;
-  return surface.info.lambda * sigma * sigma;
+ProjectionParams SLIMSmootherBase::requestedBy(const Target& target) const {
+  ProjectionParams requested;
+  if (!compute_normals_) return requested;
+  const bool curvature = target.curvature != kNoField && curvature_ != kSurfaceVariation;
+  requested.curvature = curvature || target.hasCurvatures();
+  requested.planes = target.normal != kNoField || target.curvature != kNoField;
+  return requested;
 }
 
-bool SLIMSmootherBase::smooth(const CloudView& points, bool curvature,
+bool SLIMSmootherBase::smooth(const CloudView& points, const ProjectionParams& requested,
                               CloudProjection& projection) {
   FitParams fit = params_;
   const double radii = *fit.resolved().degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
   fit.least_radius = unlessZero(std::max(fit.least_radius.value_or(0), radii * search_radius_));
-  ProjectionParams requested;
-  requested.curvature = curvature;
-  const bool done = project(points, points, fit, requested, projection);
-  const SurfaceConstPtr& surface = getSurface() ? getSurface() : getFittedSurface();
-  noise_ = done && surface ? noiseOf(*surface) : 0.0;
-  return done;
+  return project(points, points, fit, requested, projection);
 }
 
 /** Points to project onto the surface in addition to the input's own. */
@@ -241,7 +220,7 @@ bool SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& o
   return true;
 }
 
-bool SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature,
+bool SLIMSmootherBase::projectCandidates(const CloudView& points, const ProjectionParams& requested,
                                          const CloudProjection& own, const CloudView& distinct,
                                          Candidates& candidates, CloudProjection& projection) {
   if (!collect(points, own, distinct, candidates)) return false;
@@ -271,7 +250,8 @@ bool SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature
   view.xyz = candidates.xyz.data();
   view.normal = view.normal ? candidates.normals.data() : nullptr;
   view.size = candidates.source.size();
-  params.curvature = curvature;
+  params.curvature = requested.curvature;
+  params.planes = requested.planes;
   return projectMore(view, params, projection);
 }
 
@@ -288,35 +268,35 @@ ProjectedPoint SLIMSmootherBase::upsampled(const Candidates& candidates,
   return point;
 }
 
-float SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const {
+namespace {
+
+/** k1 and k2 of a point's mean and Gaussian curvature. */
+std::array<float, 2> principalOf(const ProjectedPoint& point) {
   const double mean = point.mean_curvature, gaussian = point.gaussian_curvature;
   const double half_gap = std::sqrt(std::max(0.0, mean * mean - gaussian));
+  return {static_cast<float>(mean + half_gap), static_cast<float>(mean - half_gap)};
+}
+
+}  // namespace
+
+float SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const {
   switch (curvature_) {
     case kMean: return point.mean_curvature;
     case kGaussian: return point.gaussian_curvature;
-    case kMaximum: return static_cast<float>(mean + half_gap);
-    case kMinimum: return static_cast<float>(mean - half_gap);
+    case kMaximum: return principalOf(point)[0];
+    case kMinimum: return principalOf(point)[1];
     case kSurfaceVariation: break;
   }
-  // Over a disc of radius r the heights (k1 u^2 + k2 v^2) / 2 have the variance
-  // r^4 ((k1^2 + k2^2) / 64 - k1 k2 / 96), the coordinates u and v have r^2 / 4 each.
-  const double r_sq = search_radius_ * search_radius_;
-  const double squares = 4 * mean * mean - 2 * gaussian;
-  const double heights =
-      std::max(0.0, r_sq * r_sq * (squares / 64 - gaussian / 96)) + std::max(0.0, noise_);
-  const double tangential = r_sq / 4;
-  const double least = std::min(heights, tangential);
-  return static_cast<float>(least / (heights + 2 * tangential));
+  return point.surface_variation;
 }
 
 bool SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense) {
   dense = true;
-  const bool curvature = compute_normals_ && target.curvature != kNoField;
   CloudProjection projection;
-  if (!smooth(source.view, curvature, projection)) return false;
+  if (!smooth(source.view, requestedBy(target), projection)) return false;
+  warnUnused();
   if (upsampling_ == NONE || foundNoSurface()) {
-    write(source, projection, target);
-    dense = projection.statistics().non_finite == 0;
+    dense = write(source, projection, target);
     return true;
   }
   upsample(source, projection, target);
@@ -336,14 +316,27 @@ void SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target,
   const auto& p = point.position;
   setField<3>({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])},
               target.position, to);
+  putNormal(point, target, to);
+}
+
+/** Writes normal and curvature, unless they are to be copied. */
+void SLIMSmootherBase::putNormal(const ProjectedPoint& point, const Target& target,
+                                 unsigned char* to) const {
   if (!compute_normals_) return;
   setField(point.normal, target.normal, to);
   if (target.curvature != kNoField) setField<1>({curvatureOf(point)}, target.curvature, to);
+  if (!target.hasCurvatures()) return;
+  const auto [k1, k2] = principalOf(point);
+  setField<1>({point.mean_curvature}, target.mean, to);
+  setField<1>({point.gaussian_curvature}, target.gaussian, to);
+  setField<1>({k1}, target.k1, to);
+  setField<1>({k2}, target.k2, to);
 }
 
-void SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
+bool SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
                              const Target& target) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const ProjectedPoint unknown = CloudProjection::unknownPoint({kNan, kNan, kNan});
   const std::size_t count = projection.size();
   unsigned char* const points = target.resize(count);
   const auto copyFields = [&](const unsigned char* from, unsigned char* to) {
@@ -351,24 +344,28 @@ void SLIMSmootherBase::write(const Source& source, const CloudProjection& projec
       std::memcpy(to + bytes.to, from + bytes.from, bytes.count);
   };
   corresponding_->indices.resize(count);
+  std::atomic<bool> dense{true};
+  const bool has_normals = compute_normals_ && target.normal != kNoField;
   parallelFor(count, resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
     const auto from = source.indices ? static_cast<std::size_t>((*source.indices)[i]) : i;
     unsigned char* const to = points + i * target.step;
     corresponding_->indices[i] = static_cast<pcl::index_t>(from);
     copyFields(source.points + from * source.step, to);
     if (projection.isSupported(i)) return put(projection.point(i), target, to);
-    if (projection.isFinite(i) || !compute_normals_) return;
-    setField<3>({kNan, kNan, kNan}, target.normal, to);
-    setField<1>({kNan}, target.curvature, to);
+    const bool finite = projection.isFinite(i);
+    const ProjectedPoint point = finite ? projection.point(i) : unknown;
+    putNormal(point, target, to);
+    if (!finite || (has_normals && std::isnan(point.normal[0]))) dense = false;
   });
+  return dense;
 }
 
 void SLIMSmootherBase::upsample(const Source& source, const CloudProjection& own,
                                 const Target& target) {
   Candidates candidates;
   CloudProjection projection;
-  const bool curvature = compute_normals_ && target.curvature != kNoField;
-  if (!projectCandidates(source.view, curvature, own, source.distinct, candidates, projection))
+  if (!projectCandidates(source.view, requestedBy(target), own, source.distinct, candidates,
+                         projection))
     return;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < projection.size(); ++i)

@@ -15,12 +15,12 @@ awk 'BEGIN { n = 4000; srand(3)
 badScans scan.pcd
 
 expect 0 '' scan.pcd a.pcd -spacing 0.4 -json a.json
-header a.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature'
+header a.pcd 'FIELDS x y z normal_x normal_y normal_z curvature mean_curvature gaussian_curvature'
 n=$(value a.json samples)
 [ "$n" -gt 500 ] && [ "$n" -lt 1100 ] || complain "$n samples of spacing .4"
-tail -c $((32 * n)) a.pcd | od -An -v -t f4 -w32 | awk '{
+tail -c $((36 * n)) a.pcd | od -An -v -t f4 -w36 | awk '{
   d = sqrt($1 * $1 + $2 * $2 + $3 * $3) - 5
-  if (d * d > 1e-3 || $3 < -.3 || ($7 * $7 - .04) ^ 2 > 1e-3) { print; exit } }' > wrong.txt
+  if (d * d > 1e-3 || $3 < -.3 || ($8 * $8 - .04) ^ 2 > 1e-3 || $7 < 0 || $7 > .05) { print; exit } }' > wrong.txt
 [ ! -s wrong.txt ] || complain "no sample of the hemisphere: $(cat wrong.txt)"
 expect 0 '' scan.pcd b.pcd -spacing 0.4 -threads 1 -quiet 1
 [ ! -s out.txt ] || complain "-quiet is not quiet"
@@ -48,16 +48,16 @@ awk 'BEGIN { n = 3000
   } }' > colored.pcd
 "$bin/pcl_slim_fit" colored.pcd colored.ply -quiet 1 || complain "pcl_slim_fit failed"
 expect 0 '' colored.pcd h.pcd -number 400
-header h.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature rgb'
+header h.pcd 'FIELDS x y z normal_x normal_y normal_z curvature mean_curvature gaussian_curvature rgb'
 expect 0 '' colored.ply i.pcd -number 400 -threads 1
 same h.pcd i.pcd
-tail -c 14400 h.pcd | od -An -v -t f4 -w36 | awk '{ print $3 }' > z.txt
-tail -c 14400 h.pcd | od -An -v -t u1 -w36 | awk '{ print $33, $34, $35 }' | paste -d' ' z.txt - | awk '{
+tail -c 16000 h.pcd | od -An -v -t f4 -w40 | awk '{ print $3 }' > z.txt
+tail -c 16000 h.pcd | od -An -v -t u1 -w40 | awk '{ print $37, $38, $39 }' | paste -d' ' z.txt - | awk '{
   d = $4 - (40 + 40 * $1)  # not at the rim, where leaves have points on one side
   if (($1 > .5 && d * d > 36) || ($2 - 50) ^ 2 > 9 || $3 > 2) { print; exit } }' > wrong.txt
 [ ! -s wrong.txt ] || complain "a sample has another colour: $(cat wrong.txt)"
 expect 0 '' colored.pcd j.pcd -number 400 -color 0
-header j.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature'
+header j.pcd 'FIELDS x y z normal_x normal_y normal_z curvature mean_curvature gaussian_curvature'
 
 documented pcl_slim_sample slim_projection_smoother slim_fit
 expect 2 'give -spacing or -number' scan.pcd g.pcd

@@ -119,7 +119,8 @@ for form in ply vtp; do
     complain "lost rows are not told of .$form"
 done
 
-# Curvature is that of a sphere of radius 5, whose normals point outward.
+# Curvatures are those of a sphere of radius 5, whose normals point outward. Of its 3000 points 30 fill
+# a disc of radius r, r^2 = 4 * 30 / 3000 * 25, whose surface variation is (r / 5)^2 / 24 = .00167.
 awk -v n=3000 'BEGIN {
   print "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " n "\nHEIGHT 1"
   print "POINTS " n "\nDATA ascii"
@@ -128,9 +129,14 @@ awk -v n=3000 'BEGIN {
     printf "%.7f %.7f %.7f\n", 5 * r * cos(a), 5 * r * sin(a), 5 * z
   }
 }' > sphere.pcd
-expect 0 '' sphere.pcd sphere_out.pcd -normals 1
-rows sphere_out.pcd 28 3000 f4 | awk '($7 - 0.2) ^ 2 > 1e-6 { print; exit }' > wrong.txt
-[ ! -s wrong.txt ] || complain "no curvature of .2: $(cat wrong.txt)"
+expect 0 '' sphere.pcd sphere_out.pcd -normals 1 -curvatures 1
+header sphere_out.pcd 'FIELDS x y z normal_x normal_y normal_z curvature k1 k2 mean_curvature gaussian_curvature'
+rows sphere_out.pcd 44 3000 f4 | awk '{ sum += $7 }
+  ($8 - .2) ^ 2 > 1e-5 || ($9 - .2) ^ 2 > 1e-5 || ($10 - .2) ^ 2 > 1e-6 || ($11 - .04) ^ 2 > 1e-6 { print; exit }
+  END { if ((sum / 3000 / .00167 - 1) ^ 2 > .01) print "surface variation of", sum / 3000 }' > wrong.txt
+[ ! -s wrong.txt ] || complain "not the curvatures of a sphere: $(cat wrong.txt)"
+expect 0 '' sphere.pcd bent.pcd -curvatures 1
+header bent.pcd 'FIELDS x y z k1 k2 mean_curvature gaussian_curvature'
 
 # A mesh: faces and unknown properties stay; whole-number coordinates become real ones.
 awk 'BEGIN {

@@ -290,7 +290,7 @@ TEST(SensorPositions, AreRefusedWhereTheyDoNotFit) {
   fit.setSensorPositions({sensors.begin(), sensors.end() - 1});
   refused("499 sensor positions for 500 points");
   fit.setSensorPositions(sensors);
-  fit.setViewPoint(0, 0, 5);
+  fit.params().viewpoint = {0, 0, 5};
   refused("clear one of them");
   fit.clearViewPoint();
   EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;

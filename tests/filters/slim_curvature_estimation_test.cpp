@@ -189,9 +189,11 @@ TEST(SLIMCurvatureEstimation, UnknownIsNanAndTheShapeStays) {
   EXPECT_EQ(curvatures.header.frame_id, "laser");
   EXPECT_FALSE(curvatures.is_dense);
   for (const std::size_t i : {70u, 80u}) {
-    EXPECT_TRUE(std::isnan(curvatures[i].k1) && std::isnan(curvatures[i].normal_z) &&
+    EXPECT_TRUE(std::isnan(curvatures[i].k1) && std::isnan(curvatures[i].gaussian_curvature) &&
                 std::isnan(curvatures[i].direction2_x) && std::isnan(curvatures[i].mean_curvature));
   }
+  EXPECT_TRUE(std::isnan(curvatures[70].normal_z));
+  EXPECT_NEAR(curvatures[80].getNormalVector3fMap().norm(), 1.0f, 1e-5f) << "of its neighbours";
   EXPECT_EQ(estimation.getProjectionStatistics().non_finite, 1u);
   const auto& lone = estimation.getUnsupported();
   EXPECT_EQ(std::count(lone.begin(), lone.end(), 80), 1);

@@ -75,8 +75,8 @@ TEST(SLIMFit, NoiseAndTargetInTheCloudsUnit) {
   EXPECT_EQ(fit.getNoise(), 0.0);
   EXPECT_EQ(fit.getTargetDistance(), 0.0);
   EXPECT_TRUE(std::holds_alternative<PenaltyWeight>(fit.getParams().size));
-  fit.setNoise(0.005);
-  fit.setNoiseLevel(1e-6);
+  fit.params().noise = 0.005;
+  fit.params().lambda = 1e-6;
   fit.setInputCloud(bumpySphere<pcl::PointXYZ>(2000));
   SLIMSurface surface;
   EXPECT_FALSE(fit.fit(surface));

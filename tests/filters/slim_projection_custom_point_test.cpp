@@ -59,7 +59,7 @@ TEST(CustomPoint, IsSmoothedWithItsFields) {
   ASSERT_EQ(out.size(), 3000u) << smoother.getError().message;
   for (std::size_t i = 0; i < out.size(); ++i) {
     ASSERT_EQ(out[i].tag, i);
-    ASSERT_EQ(out[i].gaussian_curvature, 7.0f) << "no field of the smoother's";
+    ASSERT_NEAR(out[i].gaussian_curvature, 1.0f, 1.5f) << "a field of the surface's";
     ASSERT_NEAR(out[i].getNormalVector3fMap().norm(), 1.0f, 1e-5f);
   }
   SLIMProjectionSmoother<GradedPoint> same;

@@ -81,7 +81,8 @@ void expectNoiseGone() {
   EXPECT_EQ(smoother.getProjectionStatistics().unsupported, 0u);
   for (const auto& p : out) {
     ASSERT_GT(p.getNormalVector3fMap().dot(p.getVector3fMap().normalized()), 0.99f);
-    ASSERT_NEAR(p.curvature, 1.0, 0.25) << "mean curvature of the unit sphere";
+    // 30 of 30000 points of the unit sphere fill a disc of radius r = .063: (r k)^2 / 24 = 1.7e-4.
+    ASSERT_LT(p.curvature, 6e-4) << "surface variation";
   }
 
   smoother.setInputCloud(torusCloud<PointT>(30000, kSigma));
@@ -181,7 +182,9 @@ TEST(SLIMProjectionSmoother, OutliersKeepTheirPlaceAndAreListed) {
   EXPECT_TRUE(out.is_dense);
   EXPECT_EQ(out[1000].getVector3fMap(), lone[0]);
   EXPECT_EQ(out[2000].getVector3fMap(), lone[1]);
-  EXPECT_EQ(out[1000].getNormalVector3fMap(), Eigen::Vector3f::Zero());
+  for (const std::size_t i : {1000u, 2000u}) {
+    EXPECT_NEAR(out[i].getNormalVector3fMap().norm(), 1.0f, 1e-5f) << "that of its neighbours";
+  }
   const pcl::Indices& kept = smoother.getUnsupported();
   EXPECT_EQ(kept.size(), smoother.getProjectionStatistics().unsupported);
   EXPECT_LT(kept.size(), 10u);

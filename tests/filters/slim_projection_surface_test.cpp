@@ -25,16 +25,18 @@ TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor) {
   const auto sides = [](const pcl::PointCloud<pcl::PointNormal>& cloud, float sign) {
     for (const auto& p : cloud) {
       ASSERT_GT(sign * p.getNormalVector3fMap().dot(p.getVector3fMap()), 0.9f);
-      ASSERT_GT(sign * p.curvature, 0.0f);
+      ASSERT_GT(sign * p.curvature, 0.0f) << "mean curvature has the sign of the side";
     }
   };
   pcl::PointCloud<pcl::PointNormal> out;
   SLIMProjectionSmoother<pcl::PointNormal> from_fields;
+  from_fields.setCurvature(from_fields.kMean);
   from_fields.setInputCloud(inward);
   from_fields.process(out);
   sides(out, -1.0f);
 
   SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
+  smoother.setCurvature(smoother.kMean);
   smoother.setInputCloud(plain);
   smoother.setInputNormals(normals);
   smoother.process(out);

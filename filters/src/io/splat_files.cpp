@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "io/point_formats.h"
+#include "pcl_slim/cloud/neighbor_planes.h"
 #include "pcl_slim/cloud/store_frame.h"
 
 namespace pcl_slim {
@@ -35,6 +36,21 @@ std::array<double, 3> splatShift(const SplatSet& splats) {
   return fileShift(low, high);
 }
 
+/** The surface variation of the discs' centres; 0 where there are too few. */
+static std::vector<float> variationOf(const SplatSet& splats) {
+  std::vector<std::array<float, 3>> centers(splats.size());
+  for (std::size_t i = 0; i < centers.size(); ++i)
+    centers[i] = {splats.x[i], splats.y[i], splats.z[i]};
+  CloudView view;
+  view.xyz = centers.data();
+  view.xyz_stride = sizeof(centers[0]);
+  view.size = centers.size();
+  std::vector<float> variation = surfaceVariation(view, 0);
+  for (float& value : variation)
+    if (std::isnan(value)) value = 0.0f;
+  return variation;
+}
+
 PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift) {
   PointFile file;
   PointTable& cloud = file.cloud;
@@ -49,6 +65,7 @@ PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift
     if (!splats.gradient.empty()) addField(cloud, name, kFloat32);
   }
   cloud.resize(splats.size());
+  const std::vector<float> variation = variationOf(splats);
   std::array<double, 3> offset;
   for (std::size_t a = 0; a < 3; ++a) offset[a] = splats.origin[a] - shift[a];
   std::uint8_t* at = cloud.data.data();
@@ -62,9 +79,7 @@ PointFile toPointFile(const SplatSet& splats, const std::array<double, 3>& shift
     put(static_cast<float>(offset[2] + splats.z[i]));
     for (const float value : {splats.nx[i], splats.ny[i], splats.nz[i]}) put(value);
     put(0xff000000u | splats.rgb[i]);
-    for (const float value : {splats.radius[i], splats.confidence[i], splats.normal_variance[i]}) {
-      put(value);
-    }
+    for (const float value : {splats.radius[i], splats.confidence[i], variation[i]}) put(value);
     if (!splats.gradient.empty()) put(splats.gradient[i]);
   }
   file.comments = {"pcl_slim version 1", "pcl_slim kind splats",
@@ -89,12 +104,11 @@ Field fieldOf(const PointTable& cloud, const char* name) {
 /** The fields discs are read from; absent ones are null. */
 struct Columns {
   std::array<Field, kNumNeeded> needed{};
-  Field rgb = nullptr, confidence = nullptr, normal_variance = nullptr;
+  Field rgb = nullptr, confidence = nullptr;
   std::array<Field, 9> gradient{};
   bool has_gradient = true;
 
-  explicit Columns(const PointTable& cloud)
-      : confidence(fieldOf(cloud, "confidence")), normal_variance(fieldOf(cloud, "curvature")) {
+  explicit Columns(const PointTable& cloud) : confidence(fieldOf(cloud, "confidence")) {
     for (std::size_t k = 0; k < kNumNeeded; ++k) needed[k] = fieldOf(cloud, kNeeded[k]);
     for (std::size_t k = 0; k < 9; ++k) {
       gradient[k] = fieldOf(cloud, kGradient[k]);
@@ -165,7 +179,6 @@ class Reader {
       *columns[k] = static_cast<float>(k < 3 ? v[k] - base_[k] : v[k]);
     }
     splats_.confidence[out] = optional(point, columns_.confidence, 1.0f);
-    splats_.normal_variance[out] = optional(point, columns_.normal_variance, 0.0f);
     splats_.kept[out] = static_cast<std::uint32_t>(point);
     splats_.rgb[out] = colorOf(point);
     return !columns_.has_gradient || readGradient(point, out);

@@ -29,7 +29,6 @@ SplatSet someSplats(bool gradient, const std::array<double, 3>& origin) {
     set.radius[i] = 0.01f * (t + 1.0f);
     set.rgb[i] = static_cast<std::uint32_t>(i) * 40503u & 0xffffffu;
     set.confidence[i] = t + 1.0f;
-    set.normal_variance[i] = 0.002f * t;
     if (gradient) set.gradient[i] = {t, -t, 0.5f, 1, 2, 3, 4, 5, -6.5f};
   }
   return set;
@@ -60,7 +59,6 @@ TEST(SplatFiles, WhatIsWrittenIsRead) {
         EXPECT_EQ(read->radius, set.radius);
         EXPECT_EQ(read->rgb, set.rgb);
         EXPECT_EQ(read->confidence, set.confidence);
-        EXPECT_EQ(read->normal_variance, set.normal_variance);
         EXPECT_EQ(read->gradient, set.gradient);
       }
     }

@@ -69,7 +69,8 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   bool filter(PointCloud& output);
 
   /** \brief One surfel for each cell: its disc's centre, normal, mean colour and radius; confidence
-   * is the number of points behind it, curvature how far their normals differ. */
+   * is the number of points behind it, curvature the surface variation of the 30 discs around, as
+   * pcl::NormalEstimation computes it with setKSearch(30), 0 where there are too few. */
   bool sample(pcl::PointCloud<pcl::PointSurfel>& splats);
   /** \brief The same with the kept points' indices, colour gradients and a double origin. */
   bool sample(SplatSet& splats);

@@ -9,7 +9,9 @@ namespace pcl_slim {
 
 /** \brief Parameters and results of ColorOctreeSplatSampler that do not depend on the point type.
  *
- * No setter changes another parameter. Values are checked when the sampler runs.
+ * Of the number of splats and the target error, which exclude each other, the last one set counts:
+ * its setter unsets the other. No other setter changes another parameter. Values are checked when
+ * the sampler runs.
  */
 class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
  public:
@@ -48,12 +50,18 @@ class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
 
   /** \brief Most splats allowed: the best use of that many in place of tolerances; 0 is off
    * (default). */
-  void setMaxSplats(std::uint64_t count) { params_.max_splats = count; }
+  void setMaxSplats(std::uint64_t count) {
+    if (count != 0) params_.target_error = 0;
+    params_.max_splats = count;
+  }
   std::uint64_t getMaxSplats() const { return params_.max_splats; }
 
   /** \brief Mean colour difference [Delta E] between points and their splats to reach with as few
    * splats as possible, in place of tolerances; 0 is off (default). */
-  void setTargetError(double delta_e) { params_.target_error = delta_e; }
+  void setTargetError(double delta_e) {
+    if (delta_e != 0) params_.max_splats = 0;
+    params_.target_error = delta_e;
+  }
   double getTargetError() const { return params_.target_error; }
 
   /** \brief The published method: discs to the cell's farthest corner, the kept point's own place

@@ -46,8 +46,9 @@ class PCL_SLIM_EXPORT ControlledRun {
   /** \brief Why the last run failed, in one sentence; no error after a success. */
   const Error& getError() const { return error_; }
   /** \brief What the last run decided that a user may want otherwise, as the sides of a scan whose
-   * sensor is not known, in a sentence without a full stop; empty where there is nothing. Results
-   * are complete all the same. */
+   * sensor is not known, and settings that had no effect; in sentences without a full stop,
+   * separated by "; ", empty where there is nothing. Results are complete all the same. Whatever a
+   * run prints as a warning is part of it. */
   const std::string& getWarning() const { return warning_; }
 
  protected:
@@ -58,8 +59,15 @@ class PCL_SLIM_EXPORT ControlledRun {
   void clearResults();
   /** \brief Records an error. \return false, as the run itself does. */
   bool fail(ErrorCode code, const std::string& message);
-  /** \brief Warns of what sideNotes() says. */
+  /** \brief Adds what sideNotes() says to the warning. */
   void warnOfSides(SideSource source, const NormalAgreement& normals);
+  /** \brief Adds a sentence to the warning, which printWarning() prints, too. */
+  void warn(const std::string& sentence);
+  /** \brief Prints the sentences of warn(), as PCL prints warnings: for verbs that PCL's base
+   * classes have. \param[in] verb "Class::verb" */
+  void printWarning(const char* verb) const;
+  /** \brief Forgets the warning. */
+  void clearWarning();
   /** \brief Records the Error that body() returns, that it was cancelled meanwhile, or what it
    * threw. Takes no memory before body() runs. \param[in] work what body does, as in "the fit";
    * \param[in] remedy where memory does not suffice. \return whether all went well. */
@@ -71,9 +79,11 @@ class PCL_SLIM_EXPORT ControlledRun {
 
   RunControl control_;
   Error error_;
-  std::string warning_;
 
  private:
+  void addWarning(const std::string& sentence);
+
+  std::string warning_, printed_;
   bool guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
                    const void* body);
 };

@@ -13,7 +13,7 @@ namespace pcl_slim {
  * Curvatures are in 1/length of the cloud's unit, gaussian_curvature in 1/length^2, positive where
  * the surface bends away from the normal: a sphere of radius R has k1 = k2 = 1/R for outward
  * normals. k1 >= k2. Directions are unit, perpendicular to each other and to the normal; their
- * sign means nothing. All fields are NaN where there is no curvature.
+ * sign means nothing. Curvatures and directions are NaN where no surfel supports the point.
  */
 struct EIGEN_ALIGN16 PointCurvature {
   PCL_ADD_NORMAL4D

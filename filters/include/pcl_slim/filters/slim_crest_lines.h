@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
-
 #include "pcl_slim/features/crest_lines.h"
+#include "pcl_slim/filters/given_surface.h"
 #include "pcl_slim/filters/point_crest.h"
 #include "pcl_slim/filters/slim_fit.h"
-#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
 /** \brief Parameters and results of SLIMCrestLines that do not depend on the point type;
  * CrestParams documents each. Values are checked when compute() runs. */
-class SLIMCrestLinesBase {
+class SLIMCrestLinesBase : public GivenSurface {
  public:
-  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
-
   /** \brief All parameters of the tracing together; threads are those of setNumberOfThreads(). */
   void setCrestParams(const CrestParams& params) { crest_ = params; }
   const CrestParams& getCrestParams() const { return crest_; }
@@ -50,12 +46,6 @@ class SLIMCrestLinesBase {
   void setStep(double radii) { crest_.step = radii; }
   double getStep() const { return crest_.step; }
 
-  /** \brief A surface of this cloud to use in place of a fit; null: fit (default). */
-  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
-  const SurfaceConstPtr& getSurface() const { return surface_; }
-
-  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
-  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
   /** \brief What the last run traced and left out. */
   const CrestStatistics& getCrestStatistics() const { return crest_statistics_; }
 
@@ -64,7 +54,6 @@ class SLIMCrestLinesBase {
   ~SLIMCrestLinesBase() = default;
 
   CrestParams crest_;
-  SurfaceConstPtr surface_, fitted_surface_;
   CrestStatistics crest_statistics_;
 };
 

@@ -27,11 +27,13 @@ namespace pcl_slim {
  *
  * PointOutT may be any type with some of these fields, all float; others keep their defaults:
  * those of PointCurvature; pc1 pc2 principal_curvature_x.. (pcl::PrincipalCurvatures: k1, k2 and
- * the tangent of k1); curvature (the mean); x y z (the place on the surface).
+ * the tangent of k1); curvature (the surface variation that PCL's classes write and read, see
+ * SLIMSmootherBase::kSurfaceVariation); x y z (the place on the surface).
  *
  * As every pcl::Feature: one value for each point, or each index, width and height kept without
- * indices, the surface fitted to setSearchSurface() where that is given. Points with a NaN
- * coordinate and points that no surfel supports get NaN, and is_dense is false then.
+ * indices, the surface fitted to setSearchSurface() where that is given. Curvatures and directions
+ * are NaN at points that no surfel supports, whose normal is the input's or that of their
+ * neighbours; all is NaN at points with a NaN coordinate. is_dense is false where anything is NaN.
  * setKSearch() and setRadiusSearch() need not be called and mean nothing here: each ball of the
  * surface finds its own radius. The result is the same for any number of threads.
  *

@@ -27,10 +27,12 @@ using FrameNumbers = std::shared_ptr<const std::vector<std::uint32_t>>;
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
  * params() has all parameters, which FitParams documents with their defaults; the usual ones have a
- * setter here, the others in SLIMFitSetters. Setters take 0 for a parameter that is not set. None
- * changes another parameter, but of the six that set how fine the surface is (penalty, MDL
- * threshold, target error, target distance, surfels, noise factor) the last one set counts. Values are checked when
- * fit() runs.
+ * setter here, the others in SLIMFitSetters. Setters take 0 for a parameter that is not set. Of
+ * parameters that exclude each other the last one set counts: its setter unsets the others, and
+ * their getters say so. These are the six that set how fine the surface is (penalty, MDL threshold,
+ * target error, target distance, surfels, noise factor), the noise (its level, the noise, a noise
+ * model; local noise and a noise model), and where the cloud was seen from (viewpoint, sensor
+ * positions). No other setter changes another parameter. Values are checked when fit() runs.
  */
 class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters {
  public:
@@ -75,17 +77,19 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
   void clearViewPoint() { params_.viewpoint.reset(); }
-  /** \brief The same as setViewPoint(): one sensor position for all points. */
+  /** \brief The same as setViewPoint(): one sensor position for all points. Unsets those of
+   * setSensorPositions(). */
   void setSensorPosition(double x, double y, double z) { setViewPoint(x, y, z); }
 
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a
    * lidar on a car or in a hand records it. Without normals, each leaf faces the sensors of its
-   * points, and the noise model uses each point's own beam.
-   * Points of one position are a frame unless setFrameNumbers() says which are. One for each point,
-   * not for each index; points that are NaN may have any. Not set (default, or an empty vector):
-   * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
-   * run fails. 24 bytes a point here, and 12 while a fit runs. */
+   * points, and the noise model uses each point's own beam. Points of one position are a frame
+   * unless setFrameNumbers() says which are. One for each point, not for each index; points that
+   * are NaN may have any. Not set (default, or an empty vector): fields vp_x vp_y vp_z of the point
+   * type if they are not all zero and no viewpoint is set. Unsets the viewpoint. 24 bytes a point
+   * here, and 12 while a fit runs. */
   void setSensorPositions(std::vector<Eigen::Vector3d> positions) {
+    if (!positions.empty()) params_.viewpoint.reset();
     sensors_ = std::make_shared<const std::vector<Eigen::Vector3d>>(std::move(positions));
   }
   /** \brief The positions set, or null. */

@@ -25,8 +25,6 @@ namespace pcl_slim {
 class SLIMFitSetters {
  public:
   PCL_SLIM_PARAMETER(double, NoiseFactor, NoiseFactor::factor)
-  PCL_SLIM_PARAMETER(double, NoiseLevel, FitParams::lambda)
-  PCL_SLIM_PARAMETER(double, Noise, FitParams::noise)
   PCL_SLIM_PARAMETER(double, CoverRadius, FitParams::cover_radius)
   PCL_SLIM_PARAMETER(double, CoverThreshold, FitParams::cover_threshold)
   PCL_SLIM_PARAMETER(double, LeastRadius, FitParams::least_radius)
@@ -41,15 +39,41 @@ class SLIMFitSetters {
   PCL_SLIM_PARAMETER(double, HoleSize, FitParams::hole_size)
   PCL_SLIM_PARAMETER(bool, Orientation, FitParams::orient)
   PCL_SLIM_PARAMETER(bool, PaperMode, FitParams::paper_mode)
-  void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
+
+  // Noise: of these four the last one set counts, and unsets those that it excludes.
+  void setNoiseLevel(double lambda) { setNoiseBy(&FitParams::lambda, lambda); }
+  double getNoiseLevel() const { return getParameter(params_, &FitParams::lambda); }
+  void setNoise(double sigma) { setNoiseBy(&FitParams::noise, sigma); }
+  double getNoise() const { return getParameter(params_, &FitParams::noise); }
+  /** \brief True excludes a noise model. */
+  void setLocalNoise(std::optional<bool> local) {
+    if (local.value_or(false)) params_.noise_model.reset();
+    params_.local_noise = local;
+  }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
-  void setNoiseModel(double a, double b, double c) { params_.noise_model = {a, b, c}; }
+  void setNoiseModel(double a, double b, double c) {
+    params_.lambda.reset();
+    params_.noise.reset();
+    if (params_.local_noise.value_or(false)) params_.local_noise.reset();
+    params_.noise_model = {a, b, c};
+  }
   /** \brief \return whether a model is set, and then writes it. */
   bool getNoiseModel(double& a, double& b, double& c) const {
     if (params_.noise_model) std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
     return params_.noise_model.has_value();
   }
   void clearNoiseModel() { params_.noise_model.reset(); }
+
+ private:
+  /** \brief Sets noise or lambda; a value unsets the other and the noise model. */
+  void setNoiseBy(std::optional<double> FitParams::*member, double value) {
+    if (value != 0) {
+      params_.lambda.reset();
+      params_.noise.reset();
+      params_.noise_model.reset();
+    }
+    setParameter(params_, member, value);
+  }
 
  protected:
   SLIMFitSetters() = default;

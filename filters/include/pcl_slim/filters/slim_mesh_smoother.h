@@ -4,9 +4,8 @@
 #include <pcl/PolygonMesh.h>
 #include <pcl/memory.h>
 
-#include <memory>
-
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/given_surface.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
 
@@ -37,21 +36,16 @@ namespace pcl_slim {
  * Setters of the fit are those of SLIMFit. setSharpFeatures() keeps or rounds all edges; without a
  * call of it this is decided by the mesh's angles.
  */
-class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
+class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase, public GivenSurface {
  public:
   using Ptr = pcl::shared_ptr<SLIMMeshSmoother>;
   using ConstPtr = pcl::shared_ptr<const SLIMMeshSmoother>;
-  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 
   // Input ----------------------------------------------------------------------------------------
 
   /** \brief The mesh: triangles or larger faces. Normals are taken from the faces. */
   void setInputMesh(const pcl::PolygonMesh::ConstPtr& mesh) { input_ = mesh; }
   pcl::PolygonMesh::ConstPtr getInputMesh() const { return input_; }
-
-  /** \brief A surface of this mesh's vertices in place of a fit; null: fit (default). */
-  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
-  const SurfaceConstPtr& getSurface() const { return surface_; }
 
   // Parameters -----------------------------------------------------------------------------------
 
@@ -76,14 +70,11 @@ class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
 
   /** \brief What the last run did and what it left alone. */
   const MeshSmoothStatistics& getMeshStatistics() const { return mesh_statistics_; }
-  /** \brief The surface that the last run fitted last; null when it used a given one or failed. */
-  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
 
  private:
   Error smooth(pcl::PolygonMesh& made);
 
   pcl::PolygonMesh::ConstPtr input_;
-  SurfaceConstPtr surface_, fitted_surface_;
   MeshEdges edges_ = MeshEdges::kMeasured;
   bool compute_normals_ = true;
   MeshSmoothStatistics mesh_statistics_;

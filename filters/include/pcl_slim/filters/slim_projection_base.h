@@ -3,36 +3,20 @@
 
 #include <pcl/types.h>
 
-#include <memory>
 #include <string>
 
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/given_surface.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 #include "pcl_slim/query/cloud_projection.h"
 
 namespace pcl_slim {
 
 /** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
- * of a fit, a surface to use in its place, and the results for the points. */
-class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
+ * of a fit, a surface to use in its place, and the results for the points. A given surface that
+ * supports less than a tenth of the points is refused as another object's. */
+class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase, public GivenSurface {
  public:
-  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
-
-  // Surface --------------------------------------------------------------------------------------
-
-  /** \brief A surface to project onto instead of fitting one; null: fit (default).
-   *
-   * It may come from another cloud of the same object in the same coordinates. One that supports
-   * less than a tenth of the points is refused as another object's. The parameters of the fit are
-   * then unused, except for sharp features, the viewpoint and the number of threads.
-   */
-  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
-  void setSurface(const SLIMSurface& surface) { surface_ = std::make_shared<SLIMSurface>(surface); }
-  const SurfaceConstPtr& getSurface() const { return surface_; }
-
-  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
-  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
-
   // Results --------------------------------------------------------------------------------------
 
   /** \brief How many points the last run moved, and how far. getStatistics() describes its fit. */
@@ -80,7 +64,6 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
 
   bool keeps_points_;
   bool no_surface_ = false;
-  SurfaceConstPtr surface_, fitted_surface_;
   CloudProjectionStatistics projection_;
   pcl::Indices unsupported_, outside_;
 };

@@ -35,7 +35,7 @@ namespace pcl_slim {
  *
  * Each ball of the surface finds its own radius from the noise and the shape; setSearchRadius(),
  * setPenalty() or setTargetError() set how smooth the result is. The output's field curvature is
- * the mean curvature unless setCurvature() is called: MovingLeastSquares writes kSurfaceVariation.
+ * the surface variation, as PCL's classes write and read it, unless setCurvature() is called.
  *
  * With setUpsamplingMethod() the output has other points than the input: those that the surface
  * supports, in a cloud of height 1, with the fields of the input point each belongs to

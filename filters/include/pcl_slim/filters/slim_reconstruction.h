@@ -54,8 +54,9 @@ class SLIMReconstruction : public pcl::SurfaceReconstruction<PointT>,
    * requested; the header is the cloud's. O(points + triangles). */
   void reconstruct(pcl::PolygonMesh& output) override;
 
-  /** \brief The same as points of the input's type, with normals and colours where it has such
-   * fields. */
+  /** \brief The same as points of the input's type, with normals, colours and curvature where it
+   * has such fields. curvature is the surface variation of the 30 vertices around, as
+   * pcl::NormalEstimation computes it with setKSearch(30). */
   void reconstruct(PointCloud& points, std::vector<pcl::Vertices>& polygons) override;
 
  protected:

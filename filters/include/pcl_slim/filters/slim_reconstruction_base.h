@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/filters/given_surface.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/splat/octree_cloud.h"
@@ -13,10 +14,8 @@ namespace pcl_slim {
 
 /** \brief Parameters and results of SLIMReconstruction that do not depend on the point type;
  * MeshParams documents each. Values are checked when reconstruct() runs. */
-class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
+class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase, public GivenSurface {
  public:
-  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
-
   // Parameters -----------------------------------------------------------------------------------
 
   /** \brief All parameters of the mesh together; threads and trimming are those of the fit's
@@ -33,10 +32,11 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   void setMaxTriangles(std::uint64_t count) { mesh_params_.max_triangles = count; }
   std::uint64_t getMaxTriangles() const { return mesh_params_.max_triangles; }
 
-  /** \brief Holes of the data are closed unless as large as a disc of this diameter, in spacings of
-   * the points (default 6); 0 keeps all. */
-  void setHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
-  double getHoleSize() const { return mesh_params_.hole_size; }
+  /** \brief Holes of the mesh are closed unless as large as a disc of this diameter, in spacings of
+   * the points (default 6); 0 keeps all that the surface has. Those of the surface are set by
+   * setHoleSize(); unless that is called, the surface keeps what the mesh needs. */
+  void setMeshHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
+  double getMeshHoleSize() const { return mesh_params_.hole_size; }
 
   /** \brief Leaves out components with fewer points (default 50); 0 keeps all. */
   void setMinComponentPoints(double points) { mesh_params_.min_component_points = points; }
@@ -45,10 +45,6 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   /** \brief Rounds of tangential smoothing of the triangles (default 2). */
   void setRelaxation(int rounds) { mesh_params_.relax = rounds; }
   int getRelaxation() const { return mesh_params_.relax; }
-
-  /** \brief A surface to mesh in place of a fit; null: fit (default). */
-  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
-  const SurfaceConstPtr& getSurface() const { return surface_; }
 
   /** \brief Whether a pcl::PolygonMesh gets fields k1 and k2 (default off). */
   void setComputeCurvature(bool compute) { compute_curvature_ = compute; }
@@ -65,8 +61,6 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   const MeshStatistics& getMeshStatistics() const { return mesh_statistics_; }
   /** \brief The last run's mesh: coordinates in double, normals, curvatures, colours. */
   const TriangleMesh& getMesh() const { return mesh_; }
-  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
-  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
 
  protected:
   SLIMReconstructionBase() = default;
@@ -77,16 +71,17 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   /** \brief Fits unless there is a surface, and extracts the mesh. \return whether there is one;
    * getError() gives the reason if not. */
   bool makeMesh(const ScanView& scan);
+  /** \brief The surface variation of the 30 vertices around each, 0 where there are too few. */
+  std::vector<float> vertexVariation() const;
 
   MeshParams mesh_params_;
   MeshStatistics mesh_statistics_;
-  SurfaceConstPtr surface_, fitted_surface_;
   TriangleMesh mesh_;
   bool compute_curvature_ = false, colors_ = true;
 
  private:
-  /** \brief Fits; with sharp features and normals two surfaces: edges come from one, what is between
-   * them and how it is connected from the other. \param[out] sharp the former */
+  /** \brief Fits; with sharp features and normals two surfaces: edges come from one, what is
+   * between them and how it is connected from the other. \param[out] sharp the former */
   bool fitSurfaces(const CloudView& cloud, SLIMSurface& surface, SLIMSurface& sharp);
 };
 

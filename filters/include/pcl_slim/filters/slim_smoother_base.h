@@ -71,20 +71,23 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   void setSearchRadius(double radius) { search_radius_ = radius; }
   double getSearchRadius() const { return search_radius_; }
 
-  /** \brief Accepted and unused, with a warning: the weights' width follows from each ball's
-   * radius. */
-  void setSqrGaussParam(double value);
+  /** \brief Accepted and unused, of which process() warns: the weights' width follows from each
+   * ball's radius. */
+  void setSqrGaussParam(double value) { sqr_gauss_param_ = value; }
   double getSqrGaussParam() const;
 
   // Output ---------------------------------------------------------------------------------------
 
-  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive
-   * where the surface bends away from the normal) as the field curvature, where PointOutT has them.
-   * On by default: they are exact and nearly free. Off, those fields are copied like others.
+  /** \brief Whether to write the surface's normals, and curvatures, where PointOutT has fields for
+   * them: curvature (see setCurvature()), and mean_curvature, gaussian_curvature, k1 and k2 as in
+   * PointCurvature. On by default. Off, those fields are copied like others.
    *
    * A normal points to the side of the input's normal at that point, if there is one; otherwise
    * towards the viewpoint, if one is set, or what findSideEvidence() finds; otherwise outward.
-   * Unsupported points keep their input's normal, or have a zero one. */
+   * A point that no surfel supports has its input's normal or, if it has none, that of its
+   * neighbours, on their side; curvatures other than the surface variation are NaN there. Where
+   * there is no normal either, at NaN points and in clouds of fewer than three, all is NaN and
+   * is_dense is false. */
   void setComputeNormals(bool compute) { compute_normals_ = compute; }
   bool getComputeNormals() const { return compute_normals_; }
 
@@ -92,32 +95,35 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
 
   /** \brief What the output's field curvature contains. */
   enum Curvature {
-    kMean,             ///< (k1 + k2) / 2, 1/length (default)
+    kMean,             ///< (k1 + k2) / 2, 1/length, positive where the surface bends away from the
+                       ///< normal
     kGaussian,         ///< k1 k2, 1/length^2
     kMaximum,          ///< k1, the larger principal curvature, 1/length
     kMinimum,          ///< k2, 1/length
-    kSurfaceVariation  ///< what pcl::MovingLeastSquares writes: the least eigenvalue's share of the
-                       ///< covariance within the search radius, 0 to 1/3
+    kSurfaceVariation  ///< what PCL's classes write and read (default), without unit, 0 to 1/3: the
+                       ///< least eigenvalue's share of the covariance of the output's about 30
+                       ///< nearest points, as pcl::NormalEstimation computes it with setKSearch(30)
   };
 
-  /** \brief Chooses it. kSurfaceVariation is computed from the curvatures and the noise, and needs
-   * setSearchRadius(). */
+  /** \brief Chooses it. Filters and pcl::RegionGrowing expect kSurfaceVariation: about (r k)^2 / 24
+   * where the surface's curvature is k and the 30 points fill a disc of radius r, .08 at a right
+   * angle. */
   void setCurvature(Curvature curvature) { curvature_ = curvature; }
   Curvature getCurvature() const { return curvature_; }
 
   // Of MovingLeastSquares, without a meaning here
   // --------------------------------------------------
 
-  /** \brief Accepted and unused, with a warning if on: the surface itself is the result that is
-   * kept (getFittedSurface()). */
-  void setCacheMLSResults(bool cache);
+  /** \brief Accepted and unused, of which process() warns if it is on: the surface itself is the
+   * result that is kept (getFittedSurface()). */
+  void setCacheMLSResults(bool cache) { cache_results_ = cache; }
   bool getCacheMLSResults() const { return cache_results_; }
   /** \brief None are made: empty. */
   const std::vector<pcl::MLSResult>& getMLSResults() const { return mls_results_; }
 
-  /** \brief Accepted and unused, with a warning: points go to their foot on the surface (equations
-   * 6 and 7 of Ohtake, Belyaev, Alexa 2005). */
-  void setProjectionMethod(pcl::MLSResult::ProjectionMethod method);
+  /** \brief Accepted and unused, of which process() warns: points go to their foot on the surface
+   * (equations 6 and 7 of Ohtake, Belyaev, Alexa 2005). */
+  void setProjectionMethod(pcl::MLSResult::ProjectionMethod method) { projection_method_ = method; }
   pcl::MLSResult::ProjectionMethod getProjectionMethod() const { return projection_method_; }
 
  protected:
@@ -141,9 +147,15 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   };
 
   /** \brief The output as bytes; offsets of its fields within a point, or kNoField. Three floats
-   * each, but for the curvature. */
+   * each of positions and normals, one of curvatures. */
   struct Target {
     std::size_t step = 0, position = 0, normal = kNoField, curvature = kNoField;
+    std::size_t mean = kNoField, gaussian = kNoField, k1 = kNoField, k2 = kNoField;
+
+    bool hasCurvatures() const {
+      return mean != kNoField || gaussian != kNoField || k1 != kNoField || k2 != kNoField;
+    }
+
     std::vector<pcl::PCLPointField> fields;
     std::vector<CommonBytes> copies;                    ///< the fields that both types have
     std::function<unsigned char*(std::size_t)> resize;  ///< makes room for this many points
@@ -158,6 +170,8 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
    * one. */
   static std::vector<CommonBytes> commonFields(const std::vector<pcl::PCLPointField>& from,
                                                const std::vector<pcl::PCLPointField>& to);
+  template <typename PointT, typename Field>
+  static std::size_t floatField();
   /** \brief Describes a pcl::PointCloud<PointT>. */
   template <typename PointT>
   static Target targetOf(void* cloud);
@@ -173,7 +187,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   template <typename PointT>
   void processApart(void (*perform)(SLIMSmootherBase&, pcl::PointCloud<PointT>&),
                     pcl::PointCloud<PointT>& output);
-  /** \brief Prints the error and the warning of a run, if there are any. */
+  /** \brief Prints the error of a run, or its warning, if there is any. */
   void complain() const;
 
   /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether
@@ -191,43 +205,44 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   int point_density_ = 0;
   float voxel_size_ = 1.0f;
   int dilations_ = 0;
-  Curvature curvature_ = kMean;
+  Curvature curvature_ = kSurfaceVariation;
 
  private:
   struct Candidates;
 
   /** \brief Fits with the least radius of balls for the search radius, and projects; see
    * SLIMProjectionBase::project(). */
-  bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
+  bool smooth(const CloudView& points, const ProjectionParams& requested,
+              CloudProjection& projection);
+  /** \brief What of a projection is written. */
+  ProjectionParams requestedBy(const Target& target) const;
   /** \brief The points of the upsampling method, and their projection; those that are not
    * supported stay out. \param[in] own the projection of the input. \param[in] distinct for
    * DISTINCT_CLOUD. */
-  bool projectCandidates(const CloudView& points, bool curvature, const CloudProjection& own,
-                         const CloudView& distinct, Candidates& candidates,
-                         CloudProjection& projection);
+  bool projectCandidates(const CloudView& points, const ProjectionParams& requested,
+                         const CloudProjection& own, const CloudView& distinct,
+                         Candidates& candidates, CloudProjection& projection);
   /** \brief A candidate's foot on the surface, on the side of its input point's. */
   ProjectedPoint upsampled(const Candidates& candidates, const CloudProjection& projection,
                            std::size_t i) const;
   /** \brief The value of the field curvature. */
   float curvatureOf(const ProjectedPoint& point) const;
-  void write(const Source& source, const CloudProjection& projection, const Target& target);
+  /** \return whether all places and normals are finite. */
+  bool write(const Source& source, const CloudProjection& projection, const Target& target);
   void upsample(const Source& source, const CloudProjection& own, const Target& target);
   void put(const ProjectedPoint& point, const Target& target, unsigned char* to) const;
+  void putNormal(const ProjectedPoint& point, const Target& target, unsigned char* to) const;
   void sampleAround(const CloudView& points, const CloudProjection& own,
                     Candidates& candidates) const;
   bool collect(const CloudView& points, const CloudProjection& own, const CloudView& distinct,
                Candidates& candidates);
-  /** \brief Variance of the points about a surface, cloud units squared. */
-  static double noiseOf(const SLIMSurface& surface);
-
-  double noise_ = 0.0;  ///< of the last run
   double sqr_gauss_param_ = 0.0;
-  bool cache_results_ = false, warned_ = false;
+  bool cache_results_ = false;
   pcl::MLSResult::ProjectionMethod projection_method_ = pcl::MLSResult::SIMPLE;
   std::vector<pcl::MLSResult> mls_results_;
 
-  /** \brief Prints once for an object that a setter has no effect. */
-  void warnUnused(const char* setter);
+  /** \brief Warns of setters that were called and have no effect. */
+  void warnUnused();
 };
 
 }  // namespace pcl_slim

@@ -113,6 +113,7 @@ Result<CloudProjection> CloudProjection::make(const CloudView& cloud, const SLIM
   while (left > 0) {  // strays may have strays of their own
     if (Error error = made.addRest(surface, progress, nullptr, left)) return error;
   }
+  if (params.projection.planes) made.addPlanes(*store);
   CloudProjectionStatistics& statistics = made.statistics_;
   statistics.points = made.size();
   statistics.non_finite = statistics.points - statistics.moved - statistics.unsupported;
@@ -240,13 +241,31 @@ void CloudProjection::measure(std::size_t first) {
   }
 }
 
+ProjectedPoint CloudProjection::unknownPoint(const std::array<double, 3>& place) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  ProjectedPoint point;
+  point.position = place;
+  PrincipalFrame& principal = point.principal;
+  point.normal = principal.direction1 = principal.direction2 = {kNan, kNan, kNan};
+  point.mean_curvature = point.gaussian_curvature = point.surface_variation = kNan;
+  principal.k1 = principal.k2 = principal.extremality1 = principal.extremality2 = kNan;
+  return point;
+}
+
 ProjectedPoint CloudProjection::point(std::size_t i) const {
   const std::size_t s = stored_[i];
+  if (projection_.supported[s] == 0) {
+    ProjectedPoint point = unknownPoint(cloud_.position(cloud_.inputIndex(i)));
+    point.normal = ownNormal(i);
+    if (!variation_.empty()) point.surface_variation = variation_[s];
+    return point;
+  }
   ProjectedPoint point;
   for (std::size_t a = 0; a < 3; ++a) {
     point.position[a] = origin_[a] + scale_ * projection_.position[s][a];
   }
   point.normal = projection_.normal[s];
+  if (!variation_.empty()) point.surface_variation = variation_[s];
   if (!projection_.curvature.empty()) {
     const auto& curvature = projection_.curvature[s];
     point.mean_curvature = saturated(curvature[0] / scale_);

@@ -20,7 +20,7 @@ bool SLIMCrestLines<PointT>::compute(CrestLines& lines) {
   if (!cloud) return this->fail(cloud.error().code, cloud.error().message);
   TracedScan traced;
   const bool done = this->guarded("the tracing", "use fewer points", [&] {
-    return traceScanLines(cloud->view, surface_.get(), this->params_, crest_, traced,
+    return traceScanLines(cloud->view, given_surface_.get(), this->params_, crest_, traced,
                           &this->control_.progress);
   });
   this->statistics_ = traced.fitted.statistics;
@@ -28,7 +28,8 @@ bool SLIMCrestLines<PointT>::compute(CrestLines& lines) {
   if (!done) return false;
   lines = std::move(traced.lines);
   crest_statistics_ = traced.statistics;
-  if (!surface_) fitted_surface_ = std::make_shared<SLIMSurface>(std::move(traced.fitted.surface));
+  if (!given_surface_)
+    fitted_surface_ = std::make_shared<SLIMSurface>(std::move(traced.fitted.surface));
   return true;
 }
 

@@ -4,9 +4,10 @@
 #include <pcl/console/print.h>
 #include <pcl/features/feature.h>
 
+#include <atomic>
+#include <cmath>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <type_traits>
 
 #include "pcl_slim/core/parallel.h"
@@ -47,7 +48,7 @@ void setCurvature(const ProjectedPoint& from, PointT& to) {
   setField<fields::pc1>(to, principal.k1);
   setField<fields::pc2>(to, principal.k2);
   setField<fields::mean_curvature>(to, from.mean_curvature);
-  setField<fields::curvature>(to, from.mean_curvature);
+  setField<fields::curvature>(to, from.surface_variation);
   setField<fields::gaussian_curvature>(to, from.gaussian_curvature);
   setField<fields::direction1_x>(to, principal.direction1[0]);
   setField<fields::direction1_y>(to, principal.direction1[1]);
@@ -60,15 +61,28 @@ void setCurvature(const ProjectedPoint& from, PointT& to) {
   setField<fields::direction2_z>(to, principal.direction2[2]);
 }
 
-/** A point of which nothing but the place is known. */
-inline ProjectedPoint unknownPoint(float x, float y, float z) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  ProjectedPoint point;
-  point.position = {x, y, z};
-  point.normal = point.principal.direction1 = point.principal.direction2 = {kNan, kNan, kNan};
-  point.mean_curvature = point.gaussian_curvature = kNan;
-  point.principal.k1 = point.principal.k2 = kNan;
-  return point;
+template <typename PointT, typename... Fields>
+constexpr bool hasAnyField() {
+  return (pcl::traits::has_field<PointT, Fields>::value || ...);
+}
+
+/** Whether a point type has a field that is NaN where no surfel supports the point. */
+template <typename PointT>
+constexpr bool hasCurvatures() {
+  namespace fields = pcl::fields;
+  return hasAnyField<PointT, fields::k1, fields::k2, fields::pc1, fields::pc2,
+                     fields::mean_curvature, fields::gaussian_curvature, fields::direction1_x,
+                     fields::direction1_y, fields::direction1_z, fields::principal_curvature_x,
+                     fields::principal_curvature_y, fields::principal_curvature_z,
+                     fields::direction2_x, fields::direction2_y, fields::direction2_z>();
+}
+
+/** Whether a point type has a field of a normal or the surface variation. */
+template <typename PointT>
+constexpr bool hasPlanes() {
+  namespace fields = pcl::fields;
+  return hasAnyField<PointT, fields::normal_x, fields::normal_y, fields::normal_z,
+                     fields::curvature>();
 }
 
 template <typename PointInT, typename PointOutT>
@@ -108,7 +122,7 @@ void SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut&
   } catch (const std::exception& failure) {
     fail(ErrorCode::kBadInput, std::string("the estimation stopped: ") + failure.what());
   }
-  if (!error_) return;
+  if (!error_) return printWarning("SLIMCurvatureEstimation::compute");
   output = PointCloudOut();
   complain();
 }
@@ -127,7 +141,8 @@ bool SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projecti
                               params_);
   if (!fitted) return fail(fitted.error().code, fitted.error().message);
   ProjectionParams params;
-  params.directions = true;
+  params.directions = hasCurvatures<PointOutT>();
+  params.planes = hasPlanes<PointOutT>();
   const CloudView& view = apart ? points->view : fitted->view;
   if (!project(view, fitted->view, params_, params, projection)) return false;
   write(projection, output);
@@ -139,17 +154,23 @@ void SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& 
                                                          PointCloudOut& output) const {
   output.sensor_origin_ = input_->sensor_origin_;
   output.sensor_orientation_ = input_->sensor_orientation_;
-  output.is_dense = projection.statistics().moved == projection.size();
+  std::atomic<bool> dense{true};
   parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
     PointOutT out;
-    if (projection.isSupported(i)) {
-      setCurvature(projection.point(i), out);
+    ProjectedPoint point;
+    if (projection.isFinite(i)) {
+      point = projection.point(i);
     } else {
       const PointInT& in = (*input_)[static_cast<std::size_t>((*indices_)[i])];
-      setCurvature(unknownPoint(in.x, in.y, in.z), out);
+      point = CloudProjection::unknownPoint({in.x, in.y, in.z});
     }
+    setCurvature(point, out);
+    const bool whole =
+        projection.isSupported(i) || (!hasCurvatures<PointOutT>() && !std::isnan(point.normal[0]));
+    if (!whole) dense = false;
     output[i] = out;
   });
+  output.is_dense = dense;
 }
 
 }  // namespace pcl_slim

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pcl_slim/filters/cloud_description.h"
+#include "pcl_slim/filters/point_curvature.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
@@ -19,6 +20,18 @@
 #endif
 
 namespace pcl_slim {
+
+/** \brief Offset of a field of type float, or kNoField where a point type has none. */
+template <typename PointT, typename Field>
+std::size_t SLIMSmootherBase::floatField() {
+  if constexpr (pcl::traits::has_field<PointT, Field>::value) {
+    static_assert(std::is_same<typename pcl::traits::datatype<PointT, Field>::type, float>::value,
+                  "curvatures are written as float");
+    return pcl::traits::offset<PointT, Field>::value;
+  } else {
+    return kNoField;
+  }
+}
 
 template <typename PointT>
 SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
@@ -37,8 +50,11 @@ SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
         offset<PointT, fields::normal_z>::value - offset<PointT, fields::normal_x>::value == 8,
         "normals are written as three floats in a row");
   }
-  if constexpr (pcl::traits::has_curvature<PointT>::value)
-    target.curvature = offset<PointT, fields::curvature>::value;
+  target.curvature = floatField<PointT, fields::curvature>();
+  target.mean = floatField<PointT, fields::mean_curvature>();
+  target.gaussian = floatField<PointT, fields::gaussian_curvature>();
+  target.k1 = floatField<PointT, fields::k1>();
+  target.k2 = floatField<PointT, fields::k2>();
   target.resize = [&output](std::size_t count) {
     output.resize(count);
     return reinterpret_cast<unsigned char*>(output.points.data());

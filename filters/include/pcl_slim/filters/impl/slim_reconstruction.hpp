@@ -27,6 +27,7 @@ bool SLIMReconstruction<PointT>::run() {
   if (!done && error_.code != ErrorCode::kCancelled) {
     PCL_ERROR("[pcl_slim::SLIMReconstruction::reconstruct] %s\n", error_.message.c_str());
   }
+  if (done) printWarning("SLIMReconstruction::reconstruct");
   return done;
 }
 
@@ -63,6 +64,8 @@ void SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
   polygons.clear();
   if (!run()) return;
   points.resize(mesh_.vertices.size());
+  std::vector<float> variation;
+  if constexpr (pcl::traits::has_curvature<PointT>::value) variation = vertexVariation();
   for (std::size_t v = 0; v < points.size(); ++v) {
     PointT& p = points[v];
     p.x = static_cast<float>(mesh_.vertices[v][0]);
@@ -73,6 +76,7 @@ void SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
       p.normal_y = mesh_.normals[v][1];
       p.normal_z = mesh_.normals[v][2];
     }
+    if constexpr (pcl::traits::has_curvature<PointT>::value) p.curvature = variation[v];
     if constexpr (pcl::traits::has_color<PointT>::value) {
       if (mesh_.colors.empty()) continue;
       p.r = mesh_.colors[v][0];

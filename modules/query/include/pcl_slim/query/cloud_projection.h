@@ -48,12 +48,15 @@ struct ProjectedPoint {
   float mean_curvature = 0;       ///< 1/length, positive where the surface bends away from normal
   float gaussian_curvature = 0;   ///< 1/length^2
   PrincipalFrame principal;       ///< 1/length, same sign; k1 >= k2
+  /// l0 / (l0 + l1 + l2) of the covariance of the kVariationNeighbors projected points around, 0 to
+  /// 1/3: what pcl::NormalEstimation writes as curvature
+  float surface_variation = 0;
 };
 
 /** \brief A cloud projected onto a surface, read point by point in the cloud's own order and units.
  *
- * Contains no points: about 51 bytes a point, 83 with principal directions. The cloud behind
- * the view must live as long as this object is read.
+ * Contains no points: about 51 bytes a point, 83 with principal directions, 4 more with planes. The
+ * cloud behind the view must live as long as this object is read.
  */
 class PCL_SLIM_EXPORT CloudProjection {
  public:
@@ -84,8 +87,12 @@ class PCL_SLIM_EXPORT CloudProjection {
   /** \brief Whether the i-th selected point has been moved to a place inside the surface's borders,
    * as its trim maps have them. */
   bool isInside(std::size_t i) const { return isFinite(i) && projection_.inside[stored_[i]] != 0; }
-  /** \brief The i-th selected point, which must be supported. */
+  /** \brief The i-th selected point, which must be finite. Of one that no surfel supports, the
+   * place is its own and curvatures are NaN; the normal is its own too, if it has one, or with
+   * ProjectionParams::planes that of its neighbours, on their side; otherwise NaN. */
   ProjectedPoint point(std::size_t i) const;
+  /** \brief Such a point of which nothing is known but that it is somewhere: all else is NaN. */
+  static ProjectedPoint unknownPoint(const std::array<double, 3>& place);
 
   /** \brief Indices, in the cloud, of the finite points that no surfel supports. */
   std::vector<std::int32_t> unsupported() const;
@@ -109,6 +116,18 @@ class PCL_SLIM_EXPORT CloudProjection {
                 std::uint64_t& left);
   /** \brief A store's local position in the first store's units. */
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
+  /** \brief Finds the planes of the neighbours of all projected points. \param[in] first the first
+   * store */
+  void addPlanes(const PointStore& first);
+  /** \brief The projected points as a store. \param[out] place of each projected point in it, or
+   * PointStore::kSkipped */
+  Result<PointStore> projectedStore(const PointStore& first,
+                                    std::vector<std::uint32_t>& place) const;
+  /** \brief Turns the planes' normals of points without support: to what evidence shows, else to
+   * the side of the supported points around, else outward. */
+  void turnPlanes(const PointStore& projected, const std::vector<std::uint32_t>& place);
+  /** \brief The normal of a point without support. */
+  std::array<float, 3> ownNormal(std::size_t i) const;
   /** \brief Counts and measures the points whose stored ones begin at first. */
   void measure(std::size_t first);
 
@@ -118,6 +137,7 @@ class PCL_SLIM_EXPORT CloudProjection {
   Projection projection_;
   std::vector<std::uint32_t> stored_;  ///< place in projection_ of each selected point
   std::vector<char> turned_;           ///< 1: the surface's normal there faces the wrong side
+  std::vector<float> variation_;       ///< with planes
   std::array<double, 3> origin_{};
   double scale_ = 1.0;
   CloudProjectionStatistics statistics_;

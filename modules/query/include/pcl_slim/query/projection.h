@@ -18,6 +18,9 @@ struct ProjectionParams {
   bool curvature = false;    ///< also blend Hessians (eq. 8, left)
   bool directions = false;   ///< also principal curvatures and directions; implies curvature
   bool extremality = false;  ///< also their derivatives along the directions; implies directions
+  /// of a cloud's projection, also the plane through each projected point's neighbours: surface
+  /// variation, and normals of points without support
+  bool planes = false;
   bool sharp_features =
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
   /// > 0: the points are places, not measurements of the surface: leaves up to this share of a
@@ -62,8 +65,8 @@ struct Projection {
  * aligned in sign to each other, point by point. Never emits NaN. Curvature is positive where the
  * surface bends away from its normal (a sphere with outward normals has mean 1/R). The points need
  * not be those the surface was fitted to: both are in world coordinates through their origins and
- * scales, and points away from it are unsupported. A surface of info.paper_mode is projected onto by
- * formula (6) as printed, without the guards. Trim maps move no point and drop none: they only
+ * scales, and points away from it are unsupported. A surface of info.paper_mode is projected onto
+ * by formula (6) as printed, without the guards. Trim maps move no point and drop none: they only
  * decide which of them are inside the borders.
  */
 PCL_SLIM_EXPORT Error projectPoints(const PointStore& store, const SLIMSurface& surface,
