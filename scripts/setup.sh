@@ -4,13 +4,18 @@
 # are there; without root rights it names the command to run and exits 1.
 #   scripts/setup.sh        what the README's commands need
 #   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
+#   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in
 set -euo pipefail
 
 packages=(
   cmake ninja-build g++ pkg-config
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
-[ "${1-}" != ci ] || packages+=(git clang clang-tidy clang-format libclang-rt-14-dev)
+case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev) ;; esac
+if [ "${1-}" = nightly ]; then
+  packages+=(chromium)
+  command -v node >/dev/null || packages+=(nodejs)
+fi
 # Benchmarks, ROS's own check of package.xml in the tests, and the X server that windows are tested
 # on: nothing fails without them.
 optional=(libnanoflann-dev python3-catkin-pkg xvfb xauth libgl1-mesa-dri)
