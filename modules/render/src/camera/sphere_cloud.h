@@ -87,7 +87,7 @@ Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
 
 /** \brief The greatest share of the upright pieces that faces one direction across the
  * upward one, of eight round about: of a street's walls half, of a scene seen from one side most.
- * O(spheres). */
+ * O(pieces). */
 double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up);
 
 }  // namespace pcl_slim::detail

@@ -9,10 +9,11 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr SignedAxis kXUp{0, 1.0}, kYUp{1, 1.0}, kZUp{2, 1.0}, kYDown{1, -1.0}, kZDown{2, -1.0};
+constexpr SignedAxis kYUp{1, 1.0}, kZUp{2, 1.0}, kYDown{1, -1.0}, kZDown{2, -1.0};
 
 constexpr double kOneSided = 0.4;  ///< mean normal of what was seen from one side
 constexpr double kClosed = 0.2;    ///< mean normal below which an object is closed
+constexpr double kUneven = 0.12;   ///< mean normal to one side of an object seen better from there
 constexpr double kFloor = 0.1;     ///< share of the area that makes a floor
 
 /** \brief True when both extents across an axis are at least four times as long. */
@@ -155,8 +156,8 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
   constexpr double kEnclosed = 0.8;  // share of directions that a room fills
   constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling
   constexpr double kRoom = 0.3;      // mean normal of a room at most
-  constexpr double kAround = 0.6;    // share of the horizon where a station sees walls
-  constexpr double kOneWay = 0.65;   // share of a station's walls that face one way, at most
+  constexpr double kAround = 0.7;    // share of the horizon where a station sees walls
+  constexpr double kOneWay = 0.8;    // share of a station's walls that face one way, at most
   Upright found;
   const auto upOr = [given](const SignedAxis& up) { return given != nullptr ? *given : up; };
   const Vector3 origin = scaled(object.origin, -1.0 / object.scale);
@@ -187,8 +188,10 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
     return found;
   }
   found.up = upOr(upOfObject(cloud));
+  const double upwards = found.up.of(cloud.mean_normal);
+  const double sideways = std::sqrt(std::max(0.0, one_sided * one_sided - upwards * upwards));
   found.kind = isFlatAlong(cloud, found.up.axis) ? SceneKind::kGround
-               : one_sided > kClosed             ? SceneKind::kOneSide
+               : sideways > kUneven              ? SceneKind::kOneSide
                                                  : SceneKind::kObject;
   return found;
 }
