@@ -26,6 +26,7 @@ sheet() {
 # The amphora: the tutorial's commands, as its test runs them.
 (cd -- "$root" && python3 tests/pages_test.py "$bin" "$work" "$data" docs/tutorial.md)
 convert tutorial/scan.png "${png[@]}" "$out/demo_scan.png"
+convert tutorial/surface.png "${png[@]}" "$out/tutorial_surface.png"
 render tutorial/surface.slim hero -size 420x520 -save_camera hero.txt
 render tutorial/discs.pcd hero_points -size 420x520 -camera hero.txt -lighting 0 -filtered 0
 render tutorial/surface.slim hero_curvature -size 520x520 -mode mean -bar -unit m

@@ -23,7 +23,7 @@ expect 2 'mode' surface.slim -mode shiny
 expect 2 'lines' surface.slim -lines wavy
 expect 2 'lod' surface.slim -lod -1
 expect 2 'named .png' surface.slim -screenshot x.jpg
-expect 2 'lower-case letters' surface.slim -unit 1/mm
+expect 2 'up to eight letters' surface.slim -unit 1/mm
 expect 2 'size' surface.slim -size 80
 expect 2 'lowest and the highest corner' surface.slim -region 1,2,3
 expect 2 'give a part of' surface.slim -region 7,7,7,8,8,8

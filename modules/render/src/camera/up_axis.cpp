@@ -79,7 +79,7 @@ bool standsAlong(const SphereCloud& cloud, const SignedAxis& axis, const SignedA
 
 /** \brief Up in an object seen from most sides: y or z. */
 SignedAxis upOfObject(const SphereCloud& cloud) {
-  constexpr double kClearlyLonger = 1.2;
+  constexpr double kClearlyLonger = 1.14;
   constexpr double kOpenBelow = 0.1;  // mean normals that decide which of two axes is up
   constexpr double kBase = 0.03;      // least difference of two axes' flat ends
   constexpr double kLevel = 0.5;      // share of the area of a table that is level
@@ -154,7 +154,8 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
                     const SignedAxis* given) {
   constexpr double kFaces = 0.8;     // share that faces a place from which all was seen
   constexpr double kEnclosed = 0.8;  // share of directions that a room fills
-  constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling
+  constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling, at least ...
+  constexpr double kWalled = 0.8;    // ... and at most, if it has walls
   constexpr double kRoom = 0.3;      // mean normal of a room at most
   constexpr double kAround = 0.7;    // share of the horizon where a station sees walls
   constexpr double kOneWay = 0.8;    // share of a station's walls that face one way, at most
@@ -176,7 +177,8 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
     const bool room = found.vantage.surrounded > kEnclosed && one_sided < kRoom;
     found.up = upOr(upOfScene(cloud, room));
     found.kind = room ? SceneKind::kInside : SceneKind::kStation;
-    if (room || (found.up.of(cloud.mean_normal) > kOpen && wallsOneWay(cloud, found.up) < kOneWay &&
+    const double upwards = found.up.of(cloud.mean_normal);
+    if (room || (upwards > kOpen && upwards < kWalled && wallsOneWay(cloud, found.up) < kOneWay &&
                  found.vantage.walledIn(cloud, found.up) > kAround))
       return found;
   }
