@@ -34,8 +34,9 @@ Result<Model> modelFrom(const PointFile& file) {
   }
   if (!hasModelFields(file)) {
     return Error{ErrorCode::kBadInput,
-                 "neither a surface nor splats (no field 'radius' or 'c0'); make one of the scan "
-                 "with pcl_slim_fit or pcl_color_splat_sampling"};
+                 "neither a surface nor splats (no field 'radius' or 'c0') nor a mesh (no faces); "
+                 "make one of "
+                 "the scan with pcl_slim_fit or pcl_color_splat_sampling"};
   }
   Result<SLIMSurface> surface = surfaceFrom(file);
   if (!surface) return surface.error();
