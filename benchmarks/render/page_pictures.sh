@@ -121,7 +121,7 @@ sheet sample.png "$(count "$bunny") points of a scan" scan_points "$(count even.
 
 # A coloured scan: as clay, in its colours, under two lights.
 "$bin/pcl_slim_fit" "$data/lion_takanawa.pcd" lion.slim -quiet 1
-"$bin/pcl_slim_render" lion.slim clay.png -size 400x420 -view 30,10 -save_camera clay.txt -quiet 1
+"$bin/pcl_slim_render" lion.slim clay.png -mode shaded -size 400x420 -view 30,10 -save_camera clay.txt -quiet 1
 for mode in shaded color raytraced; do
   "$bin/pcl_slim_render" lion.slim clay_$mode.png -size 400x420 -white 1 -mode $mode -quiet 1 \
     -camera "$(awk -F, '{ OFS = ","; $10 = 34; print }' clay.txt)"

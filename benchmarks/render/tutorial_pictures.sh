@@ -44,8 +44,8 @@ sheet render_modes.png 3 '-mode shaded' shaded '-mode normal' normal '-mode mean
 # A depth camera's frame, its noise taken as white and as it is.
 fit "$data/kinect_mosd_learn13.pcd" kinect_off -correlation off
 fit "$data/kinect_mosd_learn13.pcd" kinect
-render kinect.slim "$out/kinect_after" -size 640x480 -save_camera camera.txt
-render kinect_off.slim "$out/kinect_before" -size 640x480 -camera camera.txt
+render kinect.slim "$out/kinect_after" -mode shaded -size 640x480 -save_camera camera.txt
+render kinect_off.slim "$out/kinect_before" -mode shaded -size 640x480 -camera camera.txt
 
 # Lines in pictures, at several levels of detail too, and a traced picture.
 fit "$data/stanford_dragon_res2.ply" dragon

@@ -16,8 +16,11 @@ near_head=7.176,0.960,0.808,-0.600,2.777,0.336,-0.198,0.063,0.978,11
 count() { sed -n 's/.*"splats": \([0-9]*\).*/\1/p' "$1"; }
 
 # render SPLATS NAME OPTIONS...: NAME.png and NAME.json in the folder of pictures' parts.
+# Colours are bare unless light is wanted.
 render() {
-  "$bin/pcl_slim_render" "$1" "$work/$2.png" -json "$work/$2.json" -white 1 -quiet 1 "${@:3}"
+  local light=(-lighting 0)
+  [[ " $* " != *" -lighting "* ]] || light=()
+  "$bin/pcl_slim_render" "$1" "$work/$2.png" -json "$work/$2.json" -white 1 -quiet 1 "${light[@]}" "${@:3}"
 }
 
 # sheet PICTURE COLUMNS (LABEL NAME)...: parts side by side.

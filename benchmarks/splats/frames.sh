@@ -14,7 +14,7 @@ declare -A cameras=([whole]='3.2,-8.8,2.6,0.05,-0.12,0.18,0,0,1,17' [near]='1.13
 # frame NAME PLACE: NAME_PLACE.png, and its milliseconds.
 frame() {
   for _ in 1 2 3 4 5; do
-    "$bin/pcl_slim_render" "$work/$1" "$work/$1_$2.png" -size 1000x1000 -camera "${cameras[$2]}" -white 1 -aa 1 \
+    "$bin/pcl_slim_render" "$work/$1" "$work/$1_$2.png" -size 1000x1000 -camera "${cameras[$2]}" -white 1 -aa 1 -lighting 0 \
       -threads 1 -quiet 1 -json "$work/frame.json"
     sed -n 's/.*"render": \([0-9.e-]*\).*/\1/p' "$work/frame.json"
   done | sort -g | awk 'NR == 1 { printf "%.0f", 1000 * $1 }'
