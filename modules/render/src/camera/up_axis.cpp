@@ -66,7 +66,7 @@ bool seenFromOrigin(const SphereCloud& cloud, const Vector3& origin, double way)
 }
 
 /** \brief Whether a closed object is in balance along an axis but would fall over along the other
- * one, or clearly sooner if it is not the flattest that way. */
+ * one; at once, if it is flattest the way that it is in balance. */
 bool standsAlong(const SphereCloud& cloud, const SignedAxis& axis, const SignedAxis& other) {
   constexpr double kStands = 0.02;   // [height] least rise of the middle of an upright object
   constexpr double kUpright = 1.05;  // least height of an upright object over its least extent
@@ -74,7 +74,7 @@ bool standsAlong(const SphereCloud& cloud, const SignedAxis& axis, const SignedA
   const double rise = standing(cloud, axis), other_rise = standing(cloud, other);
   const double least = std::min({cloud.extent(0), cloud.extent(1), cloud.extent(2)});
   const bool upright = cloud.extent(axis.axis) > kUpright * least;
-  return rise > kStands && other_rise < (upright ? 0.25 * rise : 0.0);
+  return rise > kStands && other_rise < (upright ? 0.5 * kStands : 0.0);
 }
 
 /** \brief Up in an object seen from most sides: y or z. */
