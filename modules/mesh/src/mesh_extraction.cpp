@@ -99,7 +99,8 @@ class Extraction {
     report(0.0f, "dividing cells");
     const bool finer = tolerance < defaultTolerance(surface_);
     const double least = finer ? kLeastAsked : kLeastSpacings;
-    const std::vector<LeafShape> shapes = shapesOf(surface_, tolerance, least, threads_);
+    const bool trim = params_.trim && surface_.hasTrimMaps();
+    const std::vector<LeafShape> shapes = shapesOf(surface_, tolerance, least, trim, threads_);
     CellTree tree;
     if (Error error = tree.build(shapes, threads_)) return error;
     statistics_.seconds_tree = clock.lap();
@@ -117,7 +118,7 @@ class Extraction {
     if (cancelled()) return cancelledError();
     statistics_.seconds_vertices = clock.lap();
     report(0.9f, "trimming");
-    if (params_.trim && surface_.hasTrimMaps()) {
+    if (trim) {
       markUncovered(field, surface_.info.cover_threshold, vertices_);
       statistics_.closed_holes = closeHoles(field, params_.hole_size, triangles_, vertices_);
       trimAtBorder(field, triangles_, vertices_);

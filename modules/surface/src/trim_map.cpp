@@ -43,6 +43,25 @@ double outsideShare(const TrimMap& map, double u, double v) {
   return outside;
 }
 
+double filledShare(const TrimMap& map, WeightKernel kernel) {
+  if (map.closed()) return 1;
+  double sum[2] = {0, 0}, squares[2] = {0, 0};
+  const double middle = 0.5 * (map.side - 1);
+  for (int row = 0; row < map.side; ++row) {
+    for (int column = 0; column < map.side; ++column) {
+      const double u = column / middle - 1, v = row / middle - 1, s_sq = u * u + v * v;
+      if (s_sq >= 1) continue;
+      const double w = evaluateKernel(kernel, s_sq);
+      const std::size_t inside = map.at(column, row) ? 1 : 0;
+      sum[inside] += w;
+      squares[inside] += w * w;
+    }
+  }
+  if (!(squares[1] > 0)) return 1;
+  const double all = sum[0] + sum[1];
+  return sum[1] * sum[1] / squares[1] * (squares[0] + squares[1]) / (all * all);
+}
+
 namespace {
 
 // Holes of trim maps closed after the fit: morphological closing by a disc, map by map.

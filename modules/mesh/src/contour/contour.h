@@ -42,22 +42,47 @@ void forProbeBlocks(const ProbeField& field, std::size_t places, const Body& bod
   });
 }
 
+/** Where the borders in a trim map are: how many nodes differ from the next one, up to each row and
+ * column. Nodes far from the leaf's centre are left out, as other leaves know the border there
+ * better. */
+class BorderTable {
+ public:
+  BorderTable() = default;
+  explicit BorderTable(const TrimMap& map);
+
+  bool empty() const { return side_ == 0; }
+  /** Whether there is a border in a rectangle of the leaf's (u, v) plane. O(1).
+   * \param[in] at its middle \param[in] reach half its sides, both in radii */
+  bool any(const double (&at)[2], const double (&reach)[2]) const;
+
+ private:
+  int side_ = 0;
+  std::vector<std::uint16_t> counts_;
+};
+
 /** A leaf of the surface as the octree sees it, local units. */
 struct LeafShape {
   std::array<float, 3> center;
   std::array<float, 3> u, v, w;
   float radius;
-  float cell_size;  ///< cells on its sheet are to be no wider ...
-  float least;      ///< ... unless their halves would be narrower than this
+  float cell_size;        ///< cells on its sheet are to be no wider ...
+  float least;            ///< ... unless their halves would be narrower than this
+  float border_size = 0;  ///< cells near a border are to be no wider than this
   int degree;
   const float* c;
+  BorderTable borders;  ///< empty where the leaf is closed, or borders do not matter
 };
 
 /** The leaves of a surface with the cells' sizes that keep a mesh within a tolerance (local units):
  * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6
- * of its radius; and no less than least_spacings spacings of its points. */
+ * of its radius; and no less than least_spacings spacings of its points. With `trim`, cells at the
+ * borders of trim maps are no wider than three of a map's nodes, however flat the leaf is. */
 std::vector<LeafShape> shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings,
-                                int threads);
+                                bool trim, int threads);
+
+/** Whether a border of an open leaf passes a cell, or passes it by at less than half its width: so
+ * cells grow with the distance from a border, and no long edge crosses one. O(1). */
+bool isNearBorder(const LeafShape& leaf, const Vector3& middle, double size);
 
 /** The width of a cell such that cells of that width times powers of two, none wider than the
  * leaves on it allow, are as few as possible. O(shapes). */

@@ -11,10 +11,12 @@ namespace pcl_slim::detail {
 
 namespace {
 
+/// Spacings by which trim maps make a hole narrower: each point owns half a spacing about it.
+constexpr double kGrowth = 1;
 constexpr double kKernelShare = 0.36;  ///< effective points of (1 - s^2)^4 over those in the ball
 
 /** Points of the data an area [local units] at some vertices: the effective number of points of the
- * leaves there over the area of their balls. 0 where there is no leaf. */
+ * leaves there over the area of their balls that has data. 0 where there is no leaf. */
 std::vector<double> densitiesAt(const ProbeField& field, const std::vector<std::uint32_t>& which,
                                 const SurfaceVertices& vertices) {
   std::vector<double> densities(which.size());
@@ -22,7 +24,7 @@ std::vector<double> densitiesAt(const ProbeField& field, const std::vector<std::
     for (std::size_t i = first; i < first + n; ++i) {
       const ProbeScale scale =
           probe.scaleAt(vertices.position[which[i]], vertices.normal[which[i]]);
-      const double ball = M_PI * scale.radius * scale.radius;
+      const double ball = M_PI * scale.radius * scale.radius * scale.filled;
       densities[i] = ball > 0 ? scale.effective_count / (kKernelShare * ball) : 0;
     }
   });
@@ -229,7 +231,8 @@ std::uint64_t closeHoles(const ProbeField& field, double hole_size,
       if (on_border[v]) open[patches.patch[i]] = true;
     }
   }
-  const double most = M_PI / 4 * hole_size * hole_size;
+  const double width = std::max(0.0, hole_size - kGrowth);
+  const double most = M_PI / 4 * width * width;
   for (std::size_t i = 0; i < patches.triangles.size(); ++i) {
     const std::uint32_t patch = patches.patch[i];
     if (open[patch] || points[patch] >= most) continue;

@@ -27,6 +27,7 @@ struct ProbeLeaf {
   BlockLeaf leaf;  ///< but for its shift
   Vector3 center;
   float effective_count;
+  float filled;  ///< as in ProbeScale
 };
 
 /** The leaves that reach into a box, relative to its middle, with columns to choose among them. */
@@ -50,8 +51,8 @@ class LeafRegion {
   /** Leaves that reach into a box inside the region. */
   void choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen);
 
-  /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf whose
-   * ball contains a place. */
+  /** Calls body(leaf, number of points, filled share, squared distance over squared radius) for each
+   * leaf whose ball contains a place. */
   template <typename Body>
   void forHolding(const Vector3& place, const Body& body) {
     const auto p = offset(place);
@@ -61,7 +62,8 @@ class LeafRegion {
     }
     for (std::size_t j = 0; j < count_; ++j) {
       if (measure_[j] < 0) {
-        body(leaves_[j], effective_count_[j], 1 + measure_[j] / (share_ * reach_sq_[j]));
+        body(leaves_[j], effective_count_[j], filled_[j],
+             1 + measure_[j] / (share_ * reach_sq_[j]));
       }
     }
   }
@@ -74,7 +76,7 @@ class LeafRegion {
   Vector3 low_{}, high_{}, origin_{};
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;
-  std::vector<float> x_, y_, z_, reach_sq_, effective_count_, measure_;
+  std::vector<float> x_, y_, z_, reach_sq_, effective_count_, filled_, measure_;
   std::vector<BlockLeaf> leaves_;
 };
 
@@ -96,7 +98,7 @@ bool LeafRegion::covers(const Vector3& low, const Vector3& high) const {
 
 void LeafRegion::resize(std::size_t count) {
   if (leaves_.size() >= count) return;
-  for (auto* column : {&x_, &y_, &z_, &reach_sq_, &effective_count_, &measure_}) {
+  for (auto* column : {&x_, &y_, &z_, &reach_sq_, &effective_count_, &filled_, &measure_}) {
     column->resize(count);
   }
   leaves_.resize(count);
@@ -128,6 +130,7 @@ void LeafRegion::build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tr
     z_[count_] = center[2];
     reach_sq_[count_] = static_cast<float>(r * r);
     effective_count_[count_] = own.effective_count;
+    filled_[count_] = own.filled;
     leaves_[count_] = own.leaf;
     for (std::size_t a = 0; a < 3; ++a) leaves_[count_].shift[a] = -center[a];
     ++count_;
@@ -164,7 +167,8 @@ ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
   const double gate = std::max(kLeastErrorGate, kErrorGate * surface.error[i] / surface.radius[i]);
   ProbeLeaf placed{blockLeaf(surface, i, gate, noise),
                    {surface.cx[i], surface.cy[i], surface.cz[i]},
-                   surface.effective_count[i]};
+                   surface.effective_count[i],
+                   static_cast<float>(filledShare(surface.trimMap(i), surface.info.fit_kernel))};
   BlockLeaf& leaf = placed.leaf;
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
   if (surface.hasColors()) leaf.color = surface.colors.data() + i * kColorBytes;
@@ -415,17 +419,19 @@ ProbeScale SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side) {
   const BlendRules& rules = index_.leaves_->rules;
   const bool sided = rules.oriented && dot(side, side) > 0;
   const double alpha = index_.surface_.info.cover_radius, widening = 1 / (alpha * alpha);
-  double weight = 0, radius = 0, effective_count = 0, coverage = 0;
-  scratch_->region.forHolding(position, [&](const BlockLeaf& leaf, float count, float s_sq) {
-    if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
-    const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
-    weight += g;
-    radius += g * leaf.radius;
-    effective_count += g * count;
-    coverage += evaluateKernel(rules.kernel, widening * s_sq);
-  });
+  double weight = 0, radius = 0, effective_count = 0, filled = 0, coverage = 0;
+  scratch_->region.forHolding(
+      position, [&](const BlockLeaf& leaf, float count, float own_filled, float s_sq) {
+        if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
+        const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
+        weight += g;
+        radius += g * leaf.radius;
+        effective_count += g * count;
+        filled += g * own_filled;
+        coverage += evaluateKernel(rules.kernel, widening * s_sq);
+      });
   if (!(weight > 0)) return {};
-  return {radius / weight, effective_count / weight, coverage};
+  return {radius / weight, effective_count / weight, filled / weight, coverage};
 }
 
 std::vector<std::array<std::uint8_t, 3>> surfaceColors(

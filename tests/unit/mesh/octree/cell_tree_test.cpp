@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <set>
 #include <tuple>
+#include <vector>
 
 #include "support/clouds.h"
 
@@ -17,7 +20,7 @@ CellTree treeOfSphere(double tolerance, int threads = 1) {
   const auto fit =
       pcl_slim_test::fitted(pcl_slim_test::sceneCloud(measure::Shape::kSphere, 3000, 0));
   CellTree tree;
-  EXPECT_FALSE(tree.build(shapesOf(fit.surface, tolerance, 1, 1), threads));
+  EXPECT_FALSE(tree.build(shapesOf(fit.surface, tolerance, 1, false, 1), threads));
   return tree;
 }
 
@@ -37,6 +40,78 @@ TEST(CellTree, ThreadsDoNotMatter) {
   for (std::size_t i = 0; i < one.cells().size(); ++i) {
     ASSERT_EQ(one.cells()[i].depth, four.cells()[i].depth);
     for (int a = 0; a < 3; ++a) ASSERT_EQ(one.cells()[i].low[a], four.cells()[i].low[a]);
+  }
+}
+
+TEST(CellTree, BordersDivideCellsAndNothingElseDoes) {
+  const auto sphere =
+      pcl_slim_test::fitted(pcl_slim_test::sceneCloud(measure::Shape::kSphere, 3000, 0));
+  CellTree without, with;
+  ASSERT_FALSE(without.build(shapesOf(sphere.surface, 1e-3, 1, false, 1), 1));
+  ASSERT_FALSE(with.build(shapesOf(sphere.surface, 1e-3, 1, true, 1), 1));
+  EXPECT_EQ(with.cells().size(), without.cells().size()) << "a closed body has no border";
+
+  pcl_slim_test::Cloud square;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(0, 1);
+  for (int i = 0; i < 10000; ++i) {
+    const double x = place(random), y = place(random);
+    square.add(x, y, 0);
+  }
+  const auto plate = pcl_slim_test::fitted(square);
+  const SLIMSurface& surface = plate.surface;
+  const auto shapes = shapesOf(surface, 1e-3, 1, true, 1);
+  CellTree tree;
+  ASSERT_FALSE(without.build(shapesOf(surface, 1e-3, 1, false, 1), 1));
+  ASSERT_FALSE(tree.build(shapes, 1));
+  EXPECT_GT(tree.numNear(), 5 * without.numNear());
+  // The square in local units.
+  const double low = (0 - surface.info.origin[0]) / surface.info.scale;
+  const double side = 1 / surface.info.scale, spacing = side / 100;
+  std::size_t wide = 0;
+  for (const CellNode& node : tree.nodes()) {
+    if (!node.near || node.first_child != 0) continue;
+    const CellPlace& cell = tree.cells()[node.cell];
+    const Vector3 from = tree.corner(cell.low);
+    const double size = tree.size(cell.depth);
+    const bool on_rim = (from[0] < low) != (from[0] + size < low) && from[1] > low + size &&
+                        from[1] + 2 * size < low + side;
+    if (on_rim) {
+      EXPECT_LE(size, 4 * spacing);
+    }
+    wide += size > 8 * spacing ? 1 : 0;
+  }
+  EXPECT_GT(wide, 4u) << "the middle is as coarse as it may be";
+}
+
+TEST(BorderTable, FindsWhatAMapHas) {
+  std::mt19937 random(9);
+  for (const int side : {5, 9, 64, 128}) {
+    std::vector<std::uint8_t> bits(TrimMap::numBytes(side), 0xff);
+    TrimMap map;
+    map.side = side;
+    map.bits = bits.data();
+    const double whole[2] = {1, 1}, middle[2] = {0, 0};
+    EXPECT_FALSE(BorderTable(map).any(middle, whole)) << "all inside";
+    for (int trial = 0; trial < 20; ++trial) {
+      std::fill(bits.begin(), bits.end(), 0xff);
+      // One node outside, not far from the centre.
+      const int column = side / 4 + static_cast<int>(random() % static_cast<unsigned>(side / 2));
+      const int row = side / 4 + static_cast<int>(random() % static_cast<unsigned>(side / 2));
+      const int k = row * side + column;
+      bits[static_cast<std::size_t>(k >> 3)] &= static_cast<std::uint8_t>(~(1u << (k & 7)));
+      const BorderTable table(map);
+      const double node = 2.0 / (side - 1);
+      const double at[2] = {column * node - 1, row * node - 1};
+      const double reach[2] = {0.6 * node, 0.6 * node};
+      EXPECT_TRUE(table.any(middle, whole));
+      EXPECT_TRUE(table.any(at, reach));
+      const double left[2] = {at[0] - 3 * node, at[1]}, below[2] = {at[0], at[1] - 3 * node};
+      EXPECT_FALSE(table.any(left, reach));
+      EXPECT_FALSE(table.any(below, reach));
+      const double beyond[2] = {2.5, at[1]};
+      EXPECT_FALSE(table.any(beyond, reach));
+    }
   }
 }
 

@@ -43,6 +43,15 @@ TEST(TrimMap, AStraightBorderLiesHalfWayBetweenItsNodes) {
   }
 }
 
+TEST(TrimMap, AHalfMapHasHalfOfThePoints) {
+  EXPECT_EQ(filledShare(TrimMap(), WeightKernel::kPower4), 1.0);
+  const int side = 12;
+  const auto half = leftOf(side / 2, side), all = leftOf(side, side), none = leftOf(0, side);
+  EXPECT_NEAR(filledShare({side, half.data()}, WeightKernel::kPower4), 0.5, 1e-12);
+  EXPECT_NEAR(filledShare({side, all.data()}, WeightKernel::kPower4), 1.0, 1e-12);
+  EXPECT_EQ(filledShare({side, none.data()}, WeightKernel::kPower4), 1.0);
+}
+
 TEST(TrimMap, FlippingASurfelMirrorsItsMap) {
   SLIMSurface surface = sphereSurface(3, 100);
   setRandomTrimMaps(surface);

@@ -63,6 +63,7 @@ struct SheetDistance {
 struct ProbeScale {
   double radius = 0;           ///< local units
   double effective_count = 0;  ///< effective number of points
+  double filled = 0;           ///< over that of balls without the holes that their trim maps have
   double coverage = 0;  ///< sum of G(d / alpha r): a fit's points have cover_threshold or more
 };
 

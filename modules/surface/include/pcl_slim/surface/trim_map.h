@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/surface/weight_kernel.h"
 
 namespace pcl_slim {
 
@@ -39,5 +40,10 @@ struct TrimMap {
  * surface ends where sum w outside = 1/2 sum w. O(1).
  */
 PCL_SLIM_EXPORT double outsideShare(const TrimMap& map, double u, double v);
+
+/** \brief How many points a surfel's ball has beside a ball without holes, of points as dense: the
+ * ratio of their effective numbers, (sum w)^2 / sum w^2 for weights w. 1 where the map is closed, or
+ * has nothing inside. O(nodes). */
+PCL_SLIM_EXPORT double filledShare(const TrimMap& map, WeightKernel kernel);
 
 }  // namespace pcl_slim
