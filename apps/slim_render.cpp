@@ -168,6 +168,7 @@ Result<std::uint64_t> renderMeshModel(const Settings& s, const Model& model, con
   MeshRenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.cuts = s.region.sides;
   params.threads = s.threads;
   const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   MeshRenderStatistics total;
@@ -442,7 +443,6 @@ Exit run(const OptionTable& options, Settings& s) {
       s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return Exit::usage(console.failed(object.error()));
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
-  if (model->is_mesh) model->mesh = meshWithin(std::move(model->mesh), s.region.sides);
   const Turntable table(view, *object, s.turntable);
   if (!chosen) chosen = table.first();
   if (!chosen->words.empty()) console.note("  " + chosen->words);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The view in the page's address: camera, colours, clipping box and distances, in world coordinates.
-import {unit} from './vectors.js';
+import {cross, minus, unit} from './vectors.js';
 
 const PAUSE = 300;  // milliseconds without a change before the address follows
+const MOST = 100;   // distances of an address: labels are placed pair by pair
 
 const numbersOf = (text, count) => {
   const all = (text || '').split(',').map(Number);
@@ -34,13 +35,14 @@ export class Link {
   restore() {
     const given = new URLSearchParams(location.hash.slice(1)), get = (name, count) => numbersOf(given.get(name), count);
     const {page} = this, {viewer} = page, eye = get('eye', 3), at = get('at', 3), up = get('up', 3), points = get('measure');
-    if (!eye || !at || !up) return;
+    if (!eye || !at || !up || !(Math.hypot(...cross(minus(at, eye), up)) > 0)) return;
     const [fov, height, aspect] = ['fov', 'height', 'aspect'].map(name => get(name, 1)?.[0]), {camera} = viewer;
     Object.assign(camera, {position: viewer.local(eye), target: viewer.local(at), up: unit(up), height: height > 0 ? height / viewer.surface.scale : 0});
     if (fov > 0 && fov < 180) camera.fov = fov;
     if (aspect > 0) camera.aspect = aspect;
-    if (page.modes.includes(given.get('mode'))) page.setMode(given.get('mode'), get('range', 1)?.[0]);
-    const ends = (points || []).flatMap((x, i) => i % 3 ? [] : [viewer.local(points.slice(i, i + 3))]);
+    if (page.modes.includes(given.get('mode'))) page.setMode(given.get('mode'), Math.max(-4, Math.min(4, get('range', 1)?.[0] || 0)));
+    const whole = (points || []).slice(0, Math.min(MOST, Math.floor((points || []).length / 6)) * 6);
+    const ends = whole.flatMap((x, i) => i % 3 ? [] : [viewer.local(whole.slice(i, i + 3))]);
     page.measures.set(ends.flatMap((p, i) => i % 2 ? [[ends[i - 1], p]] : []));
     page.clip.restore(get('clip', 6));
     page.showProjection();

@@ -2,10 +2,12 @@
 #include "render/model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/cloud_file.h"
@@ -108,6 +110,26 @@ TriangleMesh meshFrom(const CloudFile& cloud) {
   return mesh;
 }
 
+/** A mesh that a picture can show: finite, not too large for floats, with an area. */
+Error checkMesh(const TriangleMesh& mesh) {
+  constexpr double kMost = 1e30;
+  bool has_area = false;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const auto& t = mesh.triangles[f];
+    for (const std::uint32_t v : t) {
+      const Vector3& p = mesh.vertices[v];
+      if (!isFinite(p) || std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) > kMost)
+        return {ErrorCode::kBadInput, "vertex " + std::to_string(v) +
+                                          " of a face is not finite or beyond 1e30; remove its "
+                                          "faces"};
+    }
+    const Vector3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    has_area = has_area || length(cross(subtract(b, a), subtract(c, a))) > 0.0;
+  }
+  if (has_area) return {};
+  return {ErrorCode::kBadInput, "no face has an area; there is nothing to draw"};
+}
+
 }  // namespace
 
 Result<Model> loadModel(const std::string& path) {
@@ -126,6 +148,7 @@ Result<Model> loadModel(const std::string& path) {
     Model model;
     model.is_mesh = true;
     model.mesh = meshFrom(*cloud);
+    if (Error error = checkMesh(model.mesh)) return named(path, error);
     return model;
   }
   Result<Model> model = modelFrom(*file);

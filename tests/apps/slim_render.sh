@@ -109,6 +109,11 @@ for option in '-mode raytraced' '-lines crest' '-mode sketch'; do
 done
 expect 2 'pictures alone' pcl_slim_render mesh.ply none.html
 absent none.png none.html
+printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1e400 0\n3 0 1 2\n' > far.off
+expect 2 'vertex 2' pcl_slim_render far.off none.png
+printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n' > thin.off
+expect 2 'no face has an area' pcl_slim_render thin.off none.png
+absent none.png
 # A part: framed by itself, the rest left out and counted, the same bytes for any number of threads.
 expect 0 '' pcl_slim_render surface.slim part.png $small -mode shaded -region -1,-1,0.3,1,1,9 -json part.json
 differ shaded.png part.png

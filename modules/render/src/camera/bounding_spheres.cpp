@@ -77,34 +77,57 @@ BoundingSpheres spheresOf(const SplatSet& splats) {
   return object;
 }
 
+namespace {
+
+/** \brief Adds the sphere of a triangle or, while that is longer than a piece, of its quarters. */
+void addTriangle(const std::array<Vector3, 3>& corners, double piece, BoundingSpheres& object) {
+  constexpr std::size_t kMostPieces = 200000;
+  const auto& [a, b, c] = corners;
+  const Vector3 area = cross(subtract(b, a), subtract(c, a));
+  if (!(length(area) > 0.0)) return;
+  const double longest =
+      std::max({length(subtract(b, a)), length(subtract(c, b)), length(subtract(a, c))});
+  if (longest > piece && object.spheres.size() < kMostPieces) {
+    const Vector3 ab = scaled(along(a, 1.0, b), 0.5), bc = scaled(along(b, 1.0, c), 0.5),
+                  ca = scaled(along(c, 1.0, a), 0.5);
+    for (const auto& quarter :
+         {std::array<Vector3, 3>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+      addTriangle(quarter, piece, object);
+    return;
+  }
+  const Vector3 middle = scaled(along(along(a, 1.0, b), 1.0, c), 1.0 / 3.0);
+  const Vector3 normal = normalized(area);
+  double radius = 0.0;
+  for (const Vector3& corner : corners) radius = std::max(radius, length(subtract(corner, middle)));
+  BoundingSphere sphere{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    sphere.center[k] = static_cast<float>(middle[k]);
+    sphere.normal[k] = static_cast<float>(normal[k]);
+  }
+  sphere.radius = std::max(kLeastRadius * 1e-3f, static_cast<float>(radius));
+  sphere.points = std::max(1e-30f, static_cast<float>(length(area)));
+  object.spheres.push_back(sphere);
+}
+
+}  // namespace
+
 BoundingSpheres spheresOf(const std::vector<Vector3>& corners,
                           const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  constexpr double kPiece = 1.0 / 24.0;  // of the diagonal
   BoundingSpheres object;
-  object.seen_radius = 1.0;
-  if (triangles.empty()) return object;
   Bounds box;
-  for (const Vector3& corner : corners) box.add(corner);
+  for (const auto& t : triangles) {
+    for (const std::uint32_t v : t) box.add(corners[v]);
+  }
+  if (triangles.empty()) return object;
   object.origin = scaled(along(box.low, 1.0, box.high), 0.5);
   const double extent = box.diagonal();
   object.scale = extent > 0.0 ? extent : 1.0;
-  object.spheres.reserve(triangles.size());
   for (const auto& t : triangles) {
-    const Vector3 &a = corners[t[0]], &b = corners[t[1]], &c = corners[t[2]];
-    const Vector3 middle = scaled(along(along(a, 1.0, b), 1.0, c), 1.0 / 3.0);
-    const Vector3 area = cross(subtract(b, a), subtract(c, a));
-    if (!(length(area) > 0.0)) continue;
-    const Vector3 normal = normalized(area);
-    double radius = 0.0;
-    for (const Vector3& corner : {a, b, c})
-      radius = std::max(radius, length(subtract(corner, middle)));
-    BoundingSphere sphere{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      sphere.center[k] = static_cast<float>((middle[k] - object.origin[k]) / object.scale);
-      sphere.normal[k] = static_cast<float>(normal[k]);
-    }
-    sphere.radius = std::max(kLeastRadius * 1e-3f, static_cast<float>(radius / object.scale));
-    sphere.points = static_cast<float>(length(area) / (object.scale * object.scale));
-    object.spheres.push_back(sphere);
+    std::array<Vector3, 3> local;
+    for (std::size_t k = 0; k < 3; ++k)
+      local[k] = scaled(subtract(corners[t[k]], object.origin), 1.0 / object.scale);
+    addTriangle(local, kPiece, object);
   }
   return object;
 }

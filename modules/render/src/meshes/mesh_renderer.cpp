@@ -32,8 +32,10 @@ Error validateMesh(const TriangleMesh& mesh) {
     return badMesh("the mesh's columns and vertices differ in number; write it again");
   for (const auto& t : mesh.triangles) {
     for (const std::uint32_t v : t) {
-      if (v >= count) return badMesh("a triangle names a vertex that is not there");
-      if (!isFinite(mesh.vertices[v])) return badMesh("a vertex of a triangle is not finite");
+      if (v >= count)
+        return badMesh("a triangle of the mesh names a vertex that is not there; write it again");
+      if (!isFinite(mesh.vertices[v]))
+        return badMesh("a vertex of a triangle is not finite; remove that triangle");
     }
   }
   return {};
@@ -98,6 +100,9 @@ class MeshRasterizer {
   void drawBand(int band, MeshRenderStatistics& counts);
   void meet(std::size_t triangle, const Facet& facet, const PixelRect& rows,
             MeshRenderStatistics& counts);
+  bool mayMeet(const Facet& facet, const PixelRect& block) const;
+  void meetBlock(std::size_t triangle, const Facet& facet, const PixelRect& block,
+                 MeshRenderStatistics& counts);
   void store(std::size_t pixel, std::size_t triangle, const Facet& facet, const Hit& hit,
              const Ray& ray);
   void storeCurvature(std::size_t pixel, std::size_t triangle, const std::array<double, 3>& shares);
@@ -159,16 +164,59 @@ void MeshRasterizer::drawBand(int band, MeshRenderStatistics& counts) {
   }
 }
 
+/** \brief Whether the pixels of a block may meet a triangle: on each of its sides some corner of the
+ * block is within. The volume that a ray spans with an edge is linear over the picture but for the
+ * ray's length. */
+bool MeshRasterizer::mayMeet(const Facet& facet, const PixelRect& block) const {
+  const std::array<Ray, 4> rays{rays_.ray(block.x0, block.y0), rays_.ray(block.x1, block.y0),
+                                rays_.ray(block.x0, block.y1), rays_.ray(block.x1, block.y1)};
+  std::array<bool, 2> outside{};  // beyond a side, for a front and for a back
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3 &a = facet.corner[k], &b = facet.corner[(k + 1) % 3];
+    constexpr double kRounding = 1e-14;
+    double low = HUGE_VAL, high = -HUGE_VAL, farthest = 0.0;
+    for (const Ray& ray : rays) {
+      const Vector3 from = subtract(a, ray.origin);
+      const double volume = dot(ray.direction, cross(from, subtract(b, ray.origin)));
+      low = std::min(low, volume);
+      high = std::max(high, volume);
+      farthest = std::max(farthest, dot(from, from));
+    }
+    const double slack = kSlack * length(facet.area) + kRounding * farthest;
+    outside[0] = outside[0] || high < -slack;
+    outside[1] = outside[1] || low > slack;
+  }
+  return !outside[0] || !outside[1];
+}
+
 void MeshRasterizer::meet(std::size_t triangle, const Facet& facet, const PixelRect& rows,
                           MeshRenderStatistics& counts) {
-  for (int y = rows.y0; y <= rows.y1; ++y) {
-    for (int x = rows.x0; x <= rows.x1; ++x) {
+  constexpr int kBlock = 8;
+  for (int y0 = rows.y0; y0 <= rows.y1; y0 += kBlock) {
+    for (int x0 = rows.x0; x0 <= rows.x1; x0 += kBlock) {
+      const PixelRect block{x0, y0, std::min(x0 + kBlock - 1, rows.x1),
+                            std::min(y0 + kBlock - 1, rows.y1)};
+      const bool large = block.x1 - x0 + block.y1 - y0 > 4;
+      if (large && !mayMeet(facet, block)) continue;
+      meetBlock(triangle, facet, block, counts);
+    }
+  }
+}
+
+void MeshRasterizer::meetBlock(std::size_t triangle, const Facet& facet, const PixelRect& block,
+                               MeshRenderStatistics& counts) {
+  for (int y = block.y0; y <= block.y1; ++y) {
+    for (int x = block.x0; x <= block.x1; ++x) {
       const Ray ray = rays_.ray(x, y);
       const Hit hit(ray, facet);
       ++counts.rays_first;
       const std::size_t pixel = buffer_.index(x, y);
       if (!(hit.depth > params_.near_plane) || !(hit.depth < buffer_.depth[pixel])) continue;
-      store(pixel, triangle, facet, hit, ray);
+      const Vector3 place = along(along(origin_, 1.0, ray.origin), hit.depth, ray.direction);
+      const bool shown = std::all_of(
+          params_.cuts.begin(), params_.cuts.end(),
+          [&](const HalfSpace& side) { return dot(side.normal, place) >= side.offset; });
+      if (shown) store(pixel, triangle, facet, hit, ray);
     }
   }
 }
@@ -215,6 +263,7 @@ void MeshRasterizer::storeCurvature(std::size_t pixel, std::size_t triangle,
     k1 += shares[k] * mesh_.k1[mesh_.triangles[triangle][k]];
     k2 += shares[k] * mesh_.k2[mesh_.triangles[triangle][k]];
   }
+  if (!std::isfinite(k1) || !std::isfinite(k2)) k1 = k2 = 0.0;  // unknown: grey
   buffer_.principal[pixel] = {static_cast<float>(k1), static_cast<float>(k2)};
   buffer_.mean_curvature[pixel] = static_cast<float>(0.5 * (k1 + k2));
   buffer_.gaussian_curvature[pixel] = static_cast<float>(k1 * k2);
@@ -248,21 +297,6 @@ Error renderMesh(const TriangleMesh& mesh, const Camera& camera, const MeshRende
   const MeshRenderStatistics counts = MeshRasterizer(mesh, camera, params, buffer).draw();
   if (statistics != nullptr) *statistics = counts;
   return {};
-}
-
-TriangleMesh meshWithin(TriangleMesh mesh, const std::vector<HalfSpace>& cuts) {
-  const auto outside = [&](const std::array<std::uint32_t, 3>& t) {
-    const Facet facet(mesh, static_cast<std::size_t>(&t - mesh.triangles.data()), Vector3{});
-    return std::any_of(cuts.begin(), cuts.end(), [&](const HalfSpace& side) {
-      return dot(side.normal, facet.middle()) < side.offset;
-    });
-  };
-  std::vector<std::array<std::uint32_t, 3>> kept;
-  for (const auto& t : mesh.triangles) {
-    if (!outside(t)) kept.push_back(t);
-  }
-  mesh.triangles = std::move(kept);
-  return mesh;
 }
 
 }  // namespace pcl_slim

@@ -79,6 +79,8 @@ std::vector<double> roundTicks(double low, double high, bool logarithmic) {
   if (low > high) std::swap(low, high);
   if (!std::isfinite(low) || !std::isfinite(high - low)) return {};
   if (logarithmic && !(low > 0.0)) return {};
+  constexpr double kLeast = 1e-300;  // below it, powers of ten of steps are no doubles
+  if (high - low < kLeast) return {low};
   constexpr double kDigits = 1e-12;  // closer ends have no round numbers between them
   if (!(high - low > kDigits * std::max(std::abs(low), std::abs(high)))) return {low};
   return logarithmic ? logarithmicTicks(low, high) : linearTicks(low, high);

@@ -275,12 +275,16 @@ TEST(ChooseView, SaysWhereItIsSeenFrom) {
   EXPECT_EQ(nameOf(UpAxis::kMinusY), "-y");
 }
 
-TEST(SpheresOf, TrianglesWeighTheirArea) {
-  const BoundingSpheres mesh =
-      spheresOf({{0, 0, 5}, {2, 0, 5}, {0, 2, 5}, {0, 0, 6}}, {{0, 1, 2}, {0, 2, 3}});
-  ASSERT_EQ(mesh.spheres.size(), 2u);
-  EXPECT_NEAR(mesh.spheres[0].points / mesh.spheres[1].points, 2.0, 1e-6);
-  EXPECT_EQ(mesh.spheres[0].normal, (std::array<float, 3>{0, 0, 1}));
+TEST(SpheresOf, TrianglesWeighTheirAreaAndLargeOnesAreInPieces) {
+  const BoundingSpheres mesh = spheresOf({{0, 0, 5}, {2, 0, 5}, {0, 2, 5}, {0, 0, 6}, {1e9, 0, 0}},
+                                         {{0, 1, 2}, {0, 2, 3}, {1, 1, 2}});
+  double flat = 0, upright = 0;
+  for (const BoundingSphere& sphere : mesh.spheres) {
+    EXPECT_LT(sphere.radius, 0.05f);
+    (sphere.normal[2] > 0.5f ? flat : upright) += sphere.points;
+  }
+  EXPECT_NEAR(flat / upright, 2.0, 1e-4);
+  EXPECT_NEAR(mesh.scale, 3.0, 1e-12);  // the corner of no triangle does not count
   EXPECT_TRUE(spheresOf(std::vector<Vector3>(), {}).spheres.empty());
 }
 

@@ -149,10 +149,48 @@ TEST(MeshRenderer, ThreadsChangeNothing) {
   EXPECT_EQ(one.normal, four.normal);
 }
 
-TEST(MeshRenderer, ARegionKeepsTheTrianglesInIt) {
-  const TriangleMesh half = meshWithin(sphereMesh(40), {{{1, 0, 0}, 0.0}});
-  EXPECT_NEAR(double(half.triangles.size()), 40 * 80, 200);
-  for (const auto& t : half.triangles) EXPECT_GT(half.vertices[t[0]][0], -0.03);
+TEST(MeshRenderer, IsCutRayByRay) {
+  const Camera camera = lookingFrom({0, -3, 0}, Camera::Projection::kOrthographic);
+  MeshRenderParams params;
+  params.cuts = {{{1, 0, 0}, 0.1}, {{0, 0, -1}, -0.2}};
+  GBuffer buffer;
+  ASSERT_FALSE(renderMesh(cubeMesh(), camera, params, kAllColumns, buffer));
+  const GBuffer whole = drawn(cubeMesh(), camera, VisibleSides::kAuto);
+  for (std::size_t i = 0; i < whole.numPixels(); ++i) {
+    if (!whole.covered(i)) continue;
+    const auto& p = whole.position[i];
+    EXPECT_EQ(buffer.covered(i), p[0] >= 0.1f && p[2] <= 0.2f);
+  }
+}
+
+TEST(MeshRenderer, BlocksLeaveOutNothing) {
+  // Long thin triangles about a middle, against each pixel's own angle and radius.
+  constexpr std::uint32_t kSides = 90;
+  TriangleMesh disc;
+  disc.vertices.push_back({0, 0, 0});
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const double turn = 2 * M_PI * i / kSides;
+    disc.vertices.push_back({0.45 * std::cos(turn), 0.0, 0.45 * std::sin(turn)});
+    disc.triangles.push_back({0, 1 + i, 1 + (i + 1) % kSides});
+  }
+  for (const auto projection :
+       {Camera::Projection::kPerspective, Camera::Projection::kOrthographic}) {
+    const Camera camera = lookingFrom({0.3, -2, 0.4}, projection);
+    const GBuffer buffer = drawn(disc, camera, VisibleSides::kAuto);
+    std::size_t covered = 0;
+    for (std::size_t i = 0; i < buffer.numPixels(); ++i) covered += buffer.covered(i);
+    TriangleMesh square;  // that the disc is part of
+    square.vertices = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+    square.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const GBuffer all = drawn(square, camera, VisibleSides::kAuto);
+    for (std::size_t i = 0; i < all.numPixels(); ++i) {
+      if (!all.covered(i)) continue;
+      const double r = std::hypot(all.position[i][0], all.position[i][2]);
+      EXPECT_TRUE(buffer.covered(i) || r > 0.449) << i;
+      EXPECT_TRUE(!buffer.covered(i) || r < 0.4501) << i;
+    }
+    EXPECT_GT(covered, 500u);
+  }
 }
 
 TEST(MeshRenderer, RefusesWhatIsNoMeshAndWhatAMeshHasNot) {
@@ -165,6 +203,11 @@ TEST(MeshRenderer, RefusesWhatIsNoMeshAndWhatAMeshHasNot) {
   mesh = cubeMesh();
   mesh.vertices[5][0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(renderMesh(mesh, camera, {}, kAllColumns, buffer));
+  mesh = cubeMesh();
+  mesh.k1.assign(8, std::numeric_limits<float>::quiet_NaN());
+  mesh.k2.assign(8, 1.0f);
+  ASSERT_FALSE(renderMesh(mesh, camera, {}, kAllColumns, buffer));
+  EXPECT_EQ(buffer.mean_curvature[buffer.index(48, 32)], 0.0f);
   mesh = cubeMesh();
   mesh.normals.pop_back();
   EXPECT_TRUE(renderMesh(mesh, camera, {}, kAllColumns, buffer));

@@ -40,8 +40,8 @@ PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SLIMSurface& surface);
 /** \brief The discs of a set, which must be valid (validateDiscs). O(discs). */
 PCL_SLIM_EXPORT BoundingSpheres spheresOf(const SplatSet& splats);
 
-/** \brief The triangles of a mesh, which weigh what they measure, as their corners are counter-
- * clockwise seen from outside. O(triangles). */
+/** \brief The triangles of a mesh, large ones in pieces, which weigh what they measure, as their
+ * corners are counter-clockwise seen from outside; corners must be finite. O(triangles). */
 PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const std::vector<Vector3>& corners,
           const std::vector<std::array<std::uint32_t, 3>>& triangles);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
@@ -18,6 +19,7 @@ namespace pcl_slim {
 struct PCL_SLIM_EXPORT MeshRenderParams {
   VisibleSides sides = VisibleSides::kAuto;  ///< kAuto: both alike, as corners may run either way
   double near_plane = 0.0;                   ///< smallest depth shown, world units, >= 0
+  std::vector<HalfSpace> cuts;               ///< shows only what is in all of these
   int threads = 0;                           ///< 0: all cores; never changes the result
 
   /** \brief Names the first parameter out of range. */
@@ -55,9 +57,5 @@ PCL_SLIM_EXPORT Result<Image> renderPicture(const TriangleMesh& mesh, const Came
                                             const MeshRenderParams& render_params,
                                             const ShadingParams& shading_params,
                                             MeshRenderStatistics* statistics = nullptr);
-
-/** \brief The triangles whose middles are in all of some half spaces, with all vertices.
- * O(triangles). */
-PCL_SLIM_EXPORT TriangleMesh meshWithin(TriangleMesh mesh, const std::vector<HalfSpace>& cuts);
 
 }  // namespace pcl_slim
