@@ -70,7 +70,7 @@ void setStudioBackground(vtkRenderer* renderer) {
   texture->EdgeClampOn();
   renderer->SetBackgroundTexture(texture);
   renderer->TexturedBackgroundOn();
-  // For what asks the renderer how light it is, and for windows that have no textures.
+  // For callers that read how light the renderer is, and for windows that have no textures.
   renderer->GradientBackgroundOn();
   renderer->SetBackground(paperAt(1.0).data());
   renderer->SetBackground2(paperAt(0.0).data());

@@ -81,7 +81,7 @@ struct Vantage {
 };
 
 /** \brief Looks for the place, among those inside an object's bounds, that as much as possible
- * faces: the origin where that serves, else by relaxation (Agmon 1954) of the half spaces that the
+ * faces: the origin if most face it, else by relaxation (Agmon 1954) of the half spaces that the
  * pieces face. O(pieces). */
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
 

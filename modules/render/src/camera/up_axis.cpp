@@ -166,7 +166,7 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
   if (isGeoreferenced(object)) return {upOr(kZUp), SceneKind::kGround, {}};
   if (given == nullptr && one_sided > kClosed) {
     for (const double way : {1.0, -1.0}) {
-      // Files in camera axes may have turned sides; against z, the sides are all that tells.
+      // Files in camera axes may have turned sides; against z, the sides are the only evidence.
       const bool faces = way * cloud.mean_normal[2] < 0.0;
       if ((faces || way > 0.0) && seenFromOrigin(cloud, origin, way))
         return {way > 0.0 ? kYDown : kYUp, SceneKind::kCamera, {}};

@@ -17,7 +17,7 @@ inline int decimalsFor(double diagonal) {
   return std::clamp(static_cast<int>(std::ceil(5.0 - std::log10(diagonal))), 0, kMost);
 }
 
-/** \brief A number with so many decimals; never "-0.00". */
+/** \brief A number with a number of decimals; never "-0.00". */
 inline std::string fixedText(double value, int decimals) {
   std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, "%.*f", decimals, value)) + 1,
                    '\0');
