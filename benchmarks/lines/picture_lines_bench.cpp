@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lines in a picture: milliseconds a frame, and how far they drift over the surface when the camera
-// turns. Drift is told from lines of any length and strength: how long a line is seen changes with
+// turns. Drift is measured on lines of any length and strength: how long a line is seen changes with
 // the view.
 #include <algorithm>
 #include <cmath>
@@ -115,7 +115,7 @@ Error findLines(const SLIMSurface& surface, const PictureLineParams& params, Pic
   return {};
 }
 
-/** Drift is told from lines of any length and strength; how many vertices are on a line that is
+/** Drift is measured on lines of any length and strength; how many vertices are on a line that is
  * kept in the other view, too, is printed as well. */
 Error printDrift(const SLIMSurface& surface, const Settings& s, const PictureView& from,
                  double degrees, PictureView& to) {

@@ -209,15 +209,9 @@ Error printFile(const Settings& s, const std::filesystem::path& path) {
 }
 
 Error printFolder(const Settings& s) {
-  std::vector<std::filesystem::path> files;
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator(s.scans, failure)) {
-    const std::string kind = entry.path().extension().string();
-    if (kind == ".pcd" || kind == ".ply") files.push_back(entry.path());
-  }
-  if (failure) return {ErrorCode::kIo, s.scans + ": " + failure.message()};
-  std::sort(files.begin(), files.end());
-  for (const auto& file : files) {
+  const auto files = measure::scansIn(s.scans);
+  if (!files) return files.error();
+  for (const std::string& file : *files) {
     if (Error error = printFile(s, file)) return error;
   }
   return {};

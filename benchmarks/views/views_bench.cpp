@@ -15,6 +15,7 @@
 #include "pcl_slim/scan/scan.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "scan/cloud_file.h"
+#include "support/lab/bench.h"
 #include "views/view_scenes.h"
 
 namespace {
@@ -242,18 +243,13 @@ Error printScene(const Settings& s, const ViewScene& scene, Count& count) {
 }
 
 Error printFolder(const Settings& s, Count& count) {
-  std::vector<std::filesystem::path> files;
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator(s.scans, failure)) {
-    const std::string kind = entry.path().extension().string();
-    if (kind == ".pcd" || kind == ".ply") files.push_back(entry.path());
-  }
-  if (failure) return {ErrorCode::kIo, s.scans + ": " + failure.message()};
-  std::sort(files.begin(), files.end());
-  for (const auto& path : files) {
-    const auto file = loadCloudFile(path.string());
+  const auto files = measure::scansIn(s.scans);
+  if (!files) return files.error();
+  for (const std::string& path : *files) {
+    const auto file = loadCloudFile(path);
     if (!file) return file.error();
-    const Row row{path.stem().string(), {file->view(), colorsOf(*file)}, {}, nullptr};
+    const Row row{
+        std::filesystem::path(path).stem().string(), {file->view(), colorsOf(*file)}, {}, nullptr};
     if (Error error = printScan(s, row, count)) return error;
   }
   return {};

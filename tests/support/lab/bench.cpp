@@ -11,9 +11,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 
 #include "hwy/targets.h"
 #include "support/lab/scenes.h"
@@ -128,6 +130,18 @@ Error parseShapes(const std::string& text, std::vector<std::string>& names) {
     return {ErrorCode::kBadArgument, "no shape is named; give sphere, torus, bumpy or relief"};
   }
   return {};
+}
+
+Result<std::vector<std::string>> scansIn(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
+    const std::string kind = entry.path().extension().string();
+    if (kind == ".pcd" || kind == ".ply") files.push_back(entry.path().string());
+  }
+  if (failure) return Error{ErrorCode::kIo, folder + ": " + failure.message()};
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 Error chooseVectors(const std::string& name) {

@@ -52,6 +52,9 @@ Error parseLists(const std::vector<ListOption>& options);
 /** \brief Parses "sphere,torus". \return the first name that is none. */
 Error parseShapes(const std::string& text, std::vector<std::string>& names);
 
+/** \brief Every .pcd and .ply of a folder, by name. */
+Result<std::vector<std::string>> scansIn(const std::string& folder);
+
 /** \brief Limits all kernels to one instruction set, such as "AVX2"; "best" lifts no limit.
  * \return an error that names those of this processor, if it is none of them. */
 Error chooseVectors(const std::string& name);
