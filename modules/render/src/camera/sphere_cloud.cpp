@@ -153,22 +153,6 @@ double SphereCloud::shelfShare(const SignedAxis& up) const {
   return share / double(centers.size());
 }
 
-SphereCloud::Plane SphereCloud::widestPlane() const {
-  constexpr double kNear = 0.866, kAlike = 0.94;  // cosines of 30 and 20 degrees
-  Plane plane{normalized(mean_normal), 0.0};
-  for (int round = 0; round < 4; ++round) {
-    Vector3 sum{};
-    plane.share = 0.0;
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      const double cosine = dot(normals[i], plane.normal);
-      if (cosine > kNear) sum = along(sum, 1.0, normals[i]);
-      if (cosine > kAlike) plane.share += 1.0 / double(normals.size());
-    }
-    plane.normal = normalized(sum);
-  }
-  return plane;
-}
-
 Vector3 middleOf(const SphereCloud& cloud) {
   Vector3 middle{};
   for (const Vector3& center : cloud.centers)
@@ -296,25 +280,6 @@ double Vantage::walledIn(const SphereCloud& cloud, const SignedAxis& up) const {
     walls[static_cast<std::size_t>(turn * walls.size()) % walls.size()] = true;
   }
   return double(std::count(walls.begin(), walls.end(), true)) / double(walls.size());
-}
-
-double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up) {
-  double most = 0.0, walls = 0.0;
-  for (int k = 0; k < 8; ++k) {
-    const double turn = M_PI * k / 4.0;
-    Vector3 direction{};
-    direction[(up.axis + 1) % 3] = std::cos(turn);
-    direction[(up.axis + 2) % 3] = std::sin(turn);
-    double facing = 0.0;
-    walls = 0.0;
-    for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
-      if (std::abs(cloud.normals[i][up.axis]) > kUpright) continue;
-      walls += 1.0;
-      if (dot(cloud.normals[i], direction) > 0.0) facing += 1.0;
-    }
-    most = std::max(most, facing);
-  }
-  return walls > 0.0 ? most / walls : 1.0;
 }
 
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin) {

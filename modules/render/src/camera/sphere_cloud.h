@@ -49,13 +49,6 @@ struct SphereCloud {
   /** \brief Share of the area between both ends that is flat and faces up: tables, seats. */
   double shelfShare(const SignedAxis& up) const;
 
-  /** \brief The plane that most of the area which faces as the mean normal is parallel to. */
-  struct Plane {
-    Vector3 normal{};
-    double share = 0.0;  ///< of the area, to 20 degrees
-  };
-  Plane widestPlane() const;
-
  private:
   void measureAxis(std::size_t axis);
 };
@@ -84,10 +77,5 @@ struct Vantage {
  * faces: the origin if most face it, else by relaxation (Agmon 1954) of the half spaces that the
  * pieces face. O(pieces). */
 Vantage findVantage(const SphereCloud& cloud, const Vector3& origin);
-
-/** \brief The greatest share of the upright pieces that faces one direction across the
- * upward one, of eight round about: of a street's walls half, of a scene seen from one side most.
- * O(pieces). */
-double wallsOneWay(const SphereCloud& cloud, const SignedAxis& up);
 
 }  // namespace pcl_slim::detail

@@ -107,21 +107,16 @@ SignedAxis upOfScene(const SphereCloud& cloud, bool inside) {
     SignedAxis up;
     double usual;
   };
-  constexpr double kTilted = 0.64;  // cosine of the most that a camera's axes are off
   const bool before_camera = cloud.mean_normal[2] < -0.15;
   const std::array<Candidate, 4> candidates = {
       {{kZUp, 0.10}, {kYUp, 0.06}, {kYDown, before_camera ? 0.11 : 0.02}, {kZDown, 0.0}}};
   const double longest = std::max({cloud.extent(0), cloud.extent(1), cloud.extent(2)});
-  const SphereCloud::Plane plane = cloud.widestPlane();
   SignedAxis best = kZUp;
   double most = -HUGE_VAL;
   for (const Candidate& candidate : candidates) {
     const SignedAxis& up = candidate.up;
     if (up.axis == 1 && up.sign < 0 && !before_camera && !inside) continue;
-    double floor = cloud.flatShare(up, 1.0);
-    if (inside) floor = std::max(floor, cloud.flatShare({up.axis, -up.sign}, 1.0));
-    if (!inside && up.of(plane.normal) > kTilted && plane.share > 0.3)
-      floor = std::max(floor, plane.share * up.of(plane.normal));
+    const double floor = cloud.flatShare(up, 1.0);
     const double shelves = cloud.shelfShare(up) - cloud.shelfShare({up.axis, -up.sign});
     double score =
         candidate.usual + floor + shelves + 0.2 * (1.0 - cloud.extent(up.axis) / longest);
@@ -154,11 +149,7 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
                     const SignedAxis* given) {
   constexpr double kFaces = 0.8;     // share that faces a place from which all was seen
   constexpr double kEnclosed = 0.8;  // share of directions that a room fills
-  constexpr double kOpen = 0.25;     // mean normal upwards of what has no ceiling, at least ...
-  constexpr double kWalled = 0.8;    // ... and at most, if it has walls
-  constexpr double kRoom = 0.3;      // mean normal of a room at most
   constexpr double kAround = 0.7;    // share of the horizon where a station sees walls
-  constexpr double kOneWay = 0.8;    // share of a station's walls that face one way, at most
   Upright found;
   const auto upOr = [given](const SignedAxis& up) { return given != nullptr ? *given : up; };
   const Vector3 origin = scaled(object.origin, -1.0 / object.scale);
@@ -174,13 +165,10 @@ Upright findUpright(const SphereCloud& cloud, const BoundingSpheres& object,
   }
   found.vantage = findVantage(cloud, origin);
   if (found.vantage.facing > kFaces) {
-    const bool room = found.vantage.surrounded > kEnclosed && one_sided < kRoom;
+    const bool room = found.vantage.surrounded > kEnclosed;
     found.up = upOr(upOfScene(cloud, room));
     found.kind = room ? SceneKind::kInside : SceneKind::kStation;
-    const double upwards = found.up.of(cloud.mean_normal);
-    if (room || (upwards > kOpen && upwards < kWalled && wallsOneWay(cloud, found.up) < kOneWay &&
-                 found.vantage.walledIn(cloud, found.up) > kAround))
-      return found;
+    if (room || found.vantage.walledIn(cloud, found.up) > kAround) return found;
   }
   if (one_sided > kOneSided) {
     found.up = upOr(upOfSide(cloud));
