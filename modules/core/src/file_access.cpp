@@ -2,15 +2,19 @@
 #include "pcl_slim/core/file_access.h"
 
 #include <limits.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <random>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -50,11 +54,49 @@ class TemporaryFile {
   UnfinishedFile* slot_ = nullptr;
 };
 
+constexpr const char* kPrefix = ".pcl_slim_";
+constexpr const char* kSuffix = ".part";
+
+/** What names of this machine's temporary files begin with, before the process that makes them. */
+std::string ownPrefix() {
+  char host[64] = {};
+  gethostname(host, sizeof(host) - 1);
+  return kPrefix + std::string(host) + "_";
+}
+
+/** Removes what processes of this machine that were killed have left in a folder. O(files). */
+void removeLeftovers(const fs::path& folder) {
+  const std::string prefix = ownPrefix();
+  std::error_code code;
+  for (fs::directory_iterator at(folder, code), end; !code && at != end; at.increment(code)) {
+    const std::string name = at->path().filename().string();
+    const bool temporary = name.rfind(prefix, 0) == 0 && at->path().extension() == kSuffix;
+    const long process = temporary ? std::atol(name.c_str() + prefix.size()) : 0;
+    if (process <= 0 || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    fs::remove(at->path(), ignored);
+  }
+}
+
+/** The same, once for each folder. */
+void removeLeftoversOnce(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<std::string> done;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (!done.insert(folder.string()).second) return;
+  }
+  removeLeftovers(folder);
+}
+
 TemporaryFile::TemporaryFile(const fs::path& target) {
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  removeLeftoversOnce(folder);
+  const std::string prefix = ownPrefix() + std::to_string(getpid()) + "_";
   std::random_device random;
   std::error_code code;
   do {
-    path_ = target.parent_path() / (".pcl_slim_" + std::to_string(random()) + ".part");
+    path_ = target.parent_path() / (prefix + std::to_string(random()) + kSuffix);
   } while (fs::exists(path_, code));
   remember();
 }
@@ -323,6 +365,14 @@ std::string placeOf(const std::string& path) {
   std::error_code code;
   if (!fs::status_known(fs::status(path, code))) return "";
   return fs::weakly_canonical(fs::absolute(behindLinks(path), code), code).string();
+}
+
+bool isStream(const std::string& path) {
+  for (const char* names : {"/dev/stdin", "/dev/fd/", "/proc/self/fd/"})
+    if (path.rfind(names, 0) == 0) return true;
+  std::error_code code;
+  const fs::file_type type = fs::status(path, code).type();
+  return type == fs::file_type::fifo || type == fs::file_type::socket;
 }
 
 std::string lowerExtension(const std::string& path) {

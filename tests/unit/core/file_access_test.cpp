@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "support/sphere_surface.h"
@@ -160,6 +164,36 @@ TEST(FileAccess, ReadsNoEndlessDevice) {
   const auto bytes = readFile(folder / "scan.pcd");
   ASSERT_FALSE(bytes);
   EXPECT_NE(bytes.error().message.find("device"), std::string::npos) << bytes.error().message;
+}
+
+TEST(FileAccess, RemovesWhatKilledProcessesHaveLeft) {
+  const TemporaryFolder folder;
+  char host[64] = {};
+  gethostname(host, sizeof(host) - 1);
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);  // no process has this number now
+  const auto named = [&](const std::string& where, long process) {
+    return folder / (".pcl_slim_" + where + "_" + std::to_string(process) + "_7.part");
+  };
+  const std::string dead = named(host, child), alive = named(host, getpid()),
+                    elsewhere = named(std::string(host) + "x", child),
+                    others = folder / ".other_1_2.part";
+  for (const std::string& path : {dead, alive, elsewhere, others}) writeText(path, "half");
+  ASSERT_FALSE(writeFile(folder / "a", "abc", 3));
+  EXPECT_FALSE(std::filesystem::exists(dead));
+  for (const std::string& path : {alive, elsewhere, others})
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+}
+
+TEST(FileAccess, KnowsWhatIsReadOnce) {
+  const TemporaryFolder folder;
+  writeText(folder / "file", "abc");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_TRUE(isStream(folder / "pipe"));
+  EXPECT_TRUE(isStream("/dev/stdin"));
+  EXPECT_TRUE(isStream("/dev/fd/63"));
+  for (const char* name : {"file", "missing", "."}) EXPECT_FALSE(isStream(folder / name)) << name;
 }
 
 TEST(FileAccess, ExtensionsAreLowerCase) {

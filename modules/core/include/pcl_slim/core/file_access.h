@@ -22,7 +22,9 @@ PCL_SLIM_EXPORT Result<std::vector<unsigned char>> readFile(const std::string& p
  * the temporary file is removed and an older file under that name is left as it was. A new file
  * takes over an older one's permissions, and a read-only one is not replaced. A symbolic link is
  * followed, also to a place where nothing is yet; what is not a plain file (a pipe, a device) is
- * written directly. For several files that belong together see FileTransaction.
+ * written directly. For several files that belong together see FileTransaction. What a process of
+ * this machine that was killed has left in the folder (.pcl_slim_HOST_PROCESS_NUMBER.part) is
+ * removed.
  */
 PCL_SLIM_EXPORT Error writeFile(const std::string& path, const void* bytes, std::size_t size);
 
@@ -84,6 +86,10 @@ PCL_SLIM_EXPORT std::string placeOf(const std::string& path);
 /** \brief Removes the temporary files of writeFile() calls and transactions that are not done. For
  * a program that is about to end in the middle of one; safe in a signal handler. */
 PCL_SLIM_EXPORT void removeUnfinishedFiles();
+
+/** \brief Whether what a name opens can be read once only: a pipe, a socket, or an open descriptor
+ * (/dev/stdin, /dev/fd/N, as a shell names the output of a command). */
+PCL_SLIM_EXPORT bool isStream(const std::string& path);
 
 /** \brief Extension of a path in lower case, with its dot ("scan.PCD" gives ".pcd"; none gives "").
  */

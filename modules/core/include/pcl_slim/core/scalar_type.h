@@ -53,4 +53,15 @@ inline double readScalar(const std::uint8_t* at, std::uint8_t type) {
   }
 }
 
+/** \brief The nearest float that is finite, of a number that is: one beyond the range of float does
+ * not become infinite. */
+inline float finiteFloat(double value) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  if (value > kMost && value <= std::numeric_limits<double>::max())
+    return std::numeric_limits<float>::max();
+  if (value < -kMost && value >= std::numeric_limits<double>::lowest())
+    return std::numeric_limits<float>::lowest();
+  return static_cast<float>(value);
+}
+
 }  // namespace pcl_slim
