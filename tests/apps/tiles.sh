@@ -80,6 +80,26 @@ absent killed.slim
 expect 0 '' scan.pcd killed.slim -tile_points 20000 -plan job
 same tiles.slim killed.slim
 
+# What a folder keeps has checksums: what is damaged or cut off is made again.
+expect 0 '' scan.pcd damaged.slim -tile_points 20000 -plan job -tiles 0:2
+cp -r job whole
+for kind in value nan cut tile plan; do
+  rm -rf job damaged.slim
+  cp -r whole job
+  case $kind in
+    value) printf '\0\0\200\77' | dd of=job/points bs=1 seek=240000 conv=notrunc status=none ;;
+    nan) printf '\0\0\300\177' | dd of=job/points bs=1 seek=240000 conv=notrunc status=none ;;
+    cut) truncate -s -1000 job/points ;;
+    tile) printf 'x' | dd of=job/tile-0 bs=1 seek=3000 conv=notrunc status=none ;;
+    plan) truncate -s -100 job/plan ;;
+  esac
+  "$bin/$program" scan.pcd damaged.slim -tile_points 20000 -plan job -quiet 2> err.txt ||
+    complain "$kind damaged: $(head -c 300 err.txt)"
+  same tiles.slim damaged.slim
+  [ $kind = tile ] || [ $kind = plan ] || grep -q 'made again' err.txt || complain "$kind damaged: no warning"
+done
+expect 1 'plan folder' scan.pcd damaged.slim -tile_points 20000 -plan nowhere
+
 for share in 0/3 2/3 1/3; do
   expect 0 '' scan.pcd shared.slim -tile_points 20000 -plan job -tiles $share -threads 1
 done

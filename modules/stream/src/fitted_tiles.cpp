@@ -144,7 +144,7 @@ Error FittedTiles::read(std::size_t tile, Ranks::Bytes& bytes) const {
 
 namespace {
 
-constexpr char kMagic[] = "pcl_slim tiles 5\n";
+constexpr char kMagic[] = "pcl_slim tiles 6\n";
 
 using Bytes = std::vector<unsigned char>;
 
@@ -231,6 +231,7 @@ void visitPlan(Plan& p, Visit& visit) {
   visit(p.first_levels);
   visit(p.halos);
   visit(p.balls);
+  visit(p.checksums);
 }
 
 /** Puts the magic word and the identity before what is kept, and a checksum behind it. */

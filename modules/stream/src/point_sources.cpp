@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sources of a cloud's points, piece by piece: a cloud in memory, and a file of records.
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
@@ -42,6 +43,19 @@ Error CloudSource::pass(const Visit& visit) {
 }
 
 namespace {
+
+/** What differs once a file is written to or replaced. */
+std::array<std::uint64_t, 4> stateOf(const std::string& path) {
+  struct stat state = {};
+  if (stat(path.c_str(), &state) != 0) return {};
+#ifdef __APPLE__
+  const timespec& at = state.st_mtimespec;
+#else
+  const timespec& at = state.st_mtim;
+#endif
+  return {static_cast<std::uint64_t>(state.st_ino), static_cast<std::uint64_t>(state.st_size),
+          static_cast<std::uint64_t>(at.tv_sec), static_cast<std::uint64_t>(at.tv_nsec)};
+}
 
 /** \brief A file that is read from any place. */
 class FileReader {
@@ -304,7 +318,7 @@ class RecordConverter {
 }  // namespace
 
 RecordSource::RecordSource(RecordLayout layout, std::uint64_t share, std::uint64_t shares)
-    : layout_(std::move(layout)) {
+    : layout_(std::move(layout)), state_(stateOf(layout_.path)) {
   const std::uint64_t whole = layout_.count / shares, rest = layout_.count % shares;
   first_ = share * whole + std::min(share, rest);
   end_ = first_ + whole + (share < rest ? 1 : 0);
@@ -320,6 +334,13 @@ CloudView::Scalar RecordSource::scalar() const {
 }
 
 Error RecordSource::pass(const Visit& visit) {
+  if (Error error = passOver(visit)) return error;
+  if (stateOf(layout_.path) == state_) return {};
+  return badInput("'" + layout_.path +
+                  "' changed while it was read: leave the file alone, and start again");
+}
+
+Error RecordSource::passOver(const Visit& visit) const {
   FileReader file;
   if (Error error = file.open(layout_.path)) return error;
   if (layout_.text) return passText(layout_, first_, end_, file, visit);

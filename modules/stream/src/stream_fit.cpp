@@ -183,8 +183,9 @@ bool detail::StreamState::takeKept(PointSource& source) {
   if (kept.first_levels.size() != tiles || kept.halos.size() != tiles || kept.balls.size() != tiles)
     return false;
   FittedTile above;
-  if (!loadTile(params.state, identity, tiles, above)) return false;
-  if (const Error error = store.open(kept.plan, kept.record, params.state)) return false;
+  stats.remade = !loadTile(params.state, identity, tiles, above) ||
+                 store.open(kept.plan, kept.record, params.state, kept.checksums);
+  if (stats.remade) return false;
   coarse = std::move(above.surface);
   frame = kept.frame;
   frame.sensor = source.sensor();
@@ -215,6 +216,7 @@ Error detail::StreamState::keep() const {
   kept.first_levels = first_levels;
   kept.halos = halos;
   kept.balls = balls;
+  kept.checksums = store.checksums();
   FittedTile above;
   above.surface = coarse;
   if (Error error = saveTile(params.state, identity, plan.tiles.size(), above)) return error;

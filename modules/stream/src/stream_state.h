@@ -152,6 +152,7 @@ struct KeptPlan {
   TilePlan plan;  ///< tiles are made again from the cells
   std::vector<int> first_levels;
   std::vector<std::uint64_t> halos, balls;
+  std::vector<std::uint64_t> checksums;  ///< of the buckets of points
 };
 
 /** \brief Writes a plan into a folder. \param[in] identity of source and parameters */

@@ -32,6 +32,17 @@ Error changed() {
       "the cloud's points changed while they were read: leave the file alone, and start again");
 }
 
+/** A checksum with more bytes after those it is of (FNV-1a, by words of 32 bits: records are whole
+ * words). */
+std::uint64_t checksumWith(std::uint64_t checksum, const unsigned char* bytes, std::size_t size) {
+  for (std::size_t i = 0; i + 4 <= size; i += 4) {
+    std::uint32_t word;
+    std::memcpy(&word, bytes + i, sizeof(word));
+    checksum = (checksum ^ word) * 0x100000001b3u;
+  }
+  return checksum;
+}
+
 }  // namespace
 
 namespace fs = std::filesystem;
@@ -42,7 +53,7 @@ ScratchFile::~ScratchFile() {
 
 Error ScratchFile::failed(const char* verb, std::uint64_t at, int code) const {
   const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
-  return {ErrorCode::kIo, std::string("cannot ") + verb + " the scratch file in '" + folder_ +
+  return {ErrorCode::kIo, std::string("cannot ") + verb + " the " + kind_ + " file in '" + folder_ +
                               "' at byte " + std::to_string(at) + ": " + std::strerror(code) +
                               (full ? "; make room, or name another folder" : "")};
 }
@@ -51,13 +62,14 @@ Error ScratchFile::failed(const char* verb, std::uint64_t at, int code) const {
 Error ScratchFile::checkRoom(std::uint64_t bytes) {
   std::error_code code;
   if (!fs::is_directory(folder_, code)) {
-    return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' does not exist; create it first"};
+    return {ErrorCode::kIo,
+            "the " + kind_ + " folder '" + folder_ + "' does not exist; create it first"};
   }
   struct statvfs space = {};
   if (statvfs(folder_.c_str(), &space) != 0) return {};
   const double free = static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
   if (static_cast<double>(bytes) <= free) return {};
-  return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' has " +
+  return {ErrorCode::kIo, "the " + kind_ + " folder '" + folder_ + "' has " +
                               std::to_string(static_cast<std::uint64_t>(free) >> 20) +
                               " MB left where " + std::to_string((bytes >> 20) + 1) +
                               " are needed: make room, or name another folder"};
@@ -75,6 +87,9 @@ Error ScratchFile::create(const std::string& folder, std::uint64_t bytes) {
 }
 
 Error ScratchFile::createKept(const std::string& folder, std::uint64_t bytes) {
+  if (file_ >= 0) close(file_);
+  file_ = -1;
+  kind_ = "plan";
   folder_ = folder;
   const std::string name = (fs::path(folder_) / kKeptName).string();
   unlink(name.c_str());
@@ -84,6 +99,7 @@ Error ScratchFile::createKept(const std::string& folder, std::uint64_t bytes) {
 }
 
 Error ScratchFile::openKept(const std::string& folder, std::uint64_t bytes) {
+  kind_ = "plan";
   folder_ = folder;
   const std::string name = (fs::path(folder_) / kKeptName).string();
   std::error_code code;
@@ -150,6 +166,7 @@ std::vector<std::uint32_t> pointsOfCells(const TilePlan& plan) {
 }
 
 void TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& points) {
+  buckets_.clear();
   std::uint64_t first_point = 0;
   for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
     const TilePlan::Tile& tile = plan.tiles[t];
@@ -171,6 +188,7 @@ void TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& poin
 Error TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
                         const PointRecord& record, const std::string& folder, bool kept) {
   record_ = record;
+  kept_ = kept;
   cut(plan, points);
   std::uint64_t all = 0;
   bucket_of_.assign(plan.cells.size(), 0);
@@ -187,10 +205,26 @@ Error TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& 
   return kept ? file_.createKept(folder, all) : file_.create(folder, all);
 }
 
-Error TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder) {
+Error TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder,
+                      const std::vector<std::uint64_t>& checksums) {
   record_ = record;
   cut(plan, pointsOfCells(plan));
-  return file_.openKept(folder, plan.points * record_.bytes());
+  if (Error error = file_.openKept(folder, plan.points * record_.bytes())) return error;
+  const Error damaged = badInput("the points kept in '" + folder + "' are damaged");
+  if (checksums.size() != buckets_.size()) return damaged;
+  std::vector<unsigned char> records;
+  for (std::size_t b = 0; b < buckets_.size(); ++b) {
+    records.clear();
+    if (Error error = read(buckets_[b], records)) return error;
+    if (checksumWith(0, records.data(), records.size()) != checksums[b]) return damaged;
+  }
+  return {};
+}
+
+std::vector<std::uint64_t> TileStore::checksums() const {
+  std::vector<std::uint64_t> checksums;
+  for (const Bucket& bucket : buckets_) checksums.push_back(bucket.checksum);
+  return checksums;
 }
 
 Error TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells) {
@@ -213,7 +247,9 @@ Error TileStore::flush(std::size_t b) {
   bucket.written += filled_[b];
   const std::size_t bytes = filled_[b] * step;
   filled_[b] = 0;
-  return file_.write(at, buffers_.data() + b * buffer_points_ * step, bytes);
+  const unsigned char* records = buffers_.data() + b * buffer_points_ * step;
+  if (kept_) bucket.checksum = checksumWith(bucket.checksum, records, bytes);
+  return file_.write(at, records, bytes);
 }
 
 Error TileStore::finish() {

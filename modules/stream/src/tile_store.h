@@ -43,7 +43,7 @@ class ScratchFile {
   Error checkRoom(std::uint64_t bytes);
   Error failed(const char* verb, std::uint64_t at, int code) const;
 
-  std::string folder_;
+  std::string folder_, kind_ = "scratch";
   int file_ = -1;
   std::uint64_t written_ = 0;
   mutable std::atomic<std::uint64_t> read_ = 0;
@@ -71,6 +71,7 @@ struct Bucket {
   std::size_t first_cell = 0, end_cell = 0, tile = 0;
   std::uint64_t points = 0, first_point = 0;  ///< first_point: of the file
   std::uint64_t written = 0;                  ///< points so far
+  std::uint64_t checksum = 0;                 ///< of their bytes, where they are kept
 };
 
 /** \brief The cloud's points on disk, sorted into buckets. */
@@ -80,8 +81,10 @@ class TileStore {
    * of each of the plan's cells */
   Error create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
                const PointRecord& record, const std::string& folder, bool kept);
-  /** \brief Opens the points that an earlier run has sorted by the same plan. */
-  Error open(const TilePlan& plan, const PointRecord& record, const std::string& folder);
+  /** \brief Opens the points that an earlier run has sorted by the same plan, and reads them all
+   * once. \param[in] checksums of the buckets \return an error where there are none, or others. */
+  Error open(const TilePlan& plan, const PointRecord& record, const std::string& folder,
+             const std::vector<std::uint64_t>& checksums);
 
   /** \brief Adds a piece's points to their buckets. \param[in] cells numbered */
   Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells);
@@ -91,6 +94,8 @@ class TileStore {
 
   const PointRecord& record() const { return record_; }
   const std::vector<Bucket>& buckets() const { return buckets_; }
+  /** \brief Checksums of the buckets of a store that is kept. */
+  std::vector<std::uint64_t> checksums() const;
   /** \brief Appends the records of a bucket. */
   Error read(const Bucket& bucket, std::vector<unsigned char>& records) const;
   const ScratchFile& file() const { return file_; }
@@ -100,6 +105,7 @@ class TileStore {
   Error flush(std::size_t bucket);
 
   PointRecord record_;
+  bool kept_ = false;
   std::vector<Bucket> buckets_;
   std::vector<std::uint32_t> bucket_of_;  ///< of each cell, while points are added
   std::size_t buffer_points_ = 0;         ///< room of a bucket's buffer

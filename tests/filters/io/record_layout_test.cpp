@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -209,6 +211,29 @@ TEST(RecordSource, NamesTheByteWhereAFileHasBecomeShorter) {
   const Error error = source.pass([](const CloudView&) { return Error(); });
   EXPECT_EQ(error.code, ErrorCode::kBadInput);
   EXPECT_NE(error.message.find("ends at byte 5000000"), std::string::npos) << error.message;
+}
+
+TEST(RecordSource, NoticesAFileThatIsOverwrittenWhileItIsRead) {
+  const TemporaryFolder folder;
+  const std::string path = folder / ("a.pcd");
+  const auto bytes = binaryFile(pcdHeader("binary", kPoints), 4, false, kPoints);
+  writeBytes(path, bytes);
+  const auto layout = recordLayoutOf(path, true);
+  ASSERT_TRUE(layout);
+  const auto look = [](const CloudView&) { return Error(); };
+  RecordSource source(*layout);
+  EXPECT_FALSE(source.pass(look));
+  EXPECT_FALSE(source.pass(look));
+  const auto overwrite = [&](const CloudView&) {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.write(reinterpret_cast<const char*>(bytes.data()), 1);  // the size stays
+    file.close();
+    const auto now = std::filesystem::last_write_time(path);
+    std::filesystem::last_write_time(path, now + std::chrono::milliseconds(20));
+    return Error();
+  };
+  EXPECT_NE(source.pass(overwrite).message.find("changed while"), std::string::npos);
+  EXPECT_NE(source.pass(look).message.find("changed while"), std::string::npos);
 }
 
 TEST(RecordSource, NamesTheRowOfATextWhereItEndsOrIsNoNumber) {

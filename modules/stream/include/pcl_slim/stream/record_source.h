@@ -46,11 +46,15 @@ class PCL_SLIM_EXPORT RecordSource : public PointSource {
   bool hasNormals() const override { return layout_.normal.has_value(); }
   CloudView::Scalar scalar() const override;
   std::optional<std::array<double, 3>> sensor() const override { return layout_.sensor; }
+  /** \brief Also an error where the file has changed since this was made. */
   Error pass(const Visit& visit) override;
 
  private:
+  Error passOver(const Visit& visit) const;
+
   RecordLayout layout_;
-  std::uint64_t first_, end_;  ///< records
+  std::array<std::uint64_t, 4> state_;  ///< of the file
+  std::uint64_t first_, end_;           ///< records
 };
 
 }  // namespace pcl_slim

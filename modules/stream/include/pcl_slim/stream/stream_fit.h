@@ -51,10 +51,12 @@ struct StreamStatistics {
   FitStatistics fit;            ///< sums over the tiles; measured noise and normals
   PointStoreStatistics points;  ///< what happened to the input; duplicates of the tiles' cores
   std::uint64_t tiles = 0, kept_tiles = 0;  ///< kept_tiles: of an earlier run
-  std::uint64_t halo_points = 0;            ///< points that tiles read around their own
-  std::uint64_t noise_thinning = 1;         ///< noise was measured on one of this number of points
-  std::uint64_t passes = 0;                 ///< over the source
-  std::uint64_t coarse_surfels = 0;         ///< of levels above the tiles' first
+  bool remade =
+      false;  ///< what an earlier run has kept of this cloud is damaged, and was made again
+  std::uint64_t halo_points = 0;     ///< points that tiles read around their own
+  std::uint64_t noise_thinning = 1;  ///< noise was measured on one of this number of points
+  std::uint64_t passes = 0;          ///< over the source
+  std::uint64_t coarse_surfels = 0;  ///< of levels above the tiles' first
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
   std::uint64_t halo_sent = 0;  ///< bytes, of points around other ranks' tiles
   double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
