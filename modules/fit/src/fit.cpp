@@ -155,6 +155,10 @@ Error fitStages(const FitConstants& constants, const PointStore& all, const FitP
   const PointStore& points = fitted.of(all);
   seconds.outliers = watch.lap();
   CloudMeasures measures = measureCloud(points, params, constants, threads);
+  if (params.noise_model && !(measures.lambda <= points.diagonal() * points.diagonal())) {
+    return {ErrorCode::kBadArgument,
+            "the noise model gives errors wider than the cloud: give it in the cloud's unit"};
+  }
   seconds.noise = watch.lap();
   CloudSides sides = sidesBeforeCover(points, params, constants, threads, std::move(measures));
   seconds.sides = watch.lap();

@@ -188,10 +188,10 @@ void takeVariances(std::vector<float> variances, float least, CloudMeasures& mea
   double sum = 0;
   for (const float variance : variances) sum += variance;
   const double mean = sum / static_cast<double>(variances.size());
+  measures.lambda = mean;
   if (!(mean > 0)) return;
   for (float& variance : variances)
     variance = std::clamp(static_cast<float>(variance / mean), least, 1 / least);
-  measures.lambda = mean;
   measures.noise_profile = std::move(variances);
 }
 
