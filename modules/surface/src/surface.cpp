@@ -204,6 +204,31 @@ Error SLIMSurface::validate() const {
   return checkTrimMaps(*this);
 }
 
+Error SLIMSurface::checkOverlap() const {
+  constexpr std::size_t kMost = 2000, kLooked = 16;
+  constexpr float kInner = 0.5f;  // of a radius
+  std::vector<std::size_t> leaves;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (isLeaf(i)) leaves.push_back(i);
+  if (leaves.size() <= kMost) return {};
+  std::size_t crowded = 0, most = 0;
+  for (std::size_t k = 0; k < kLooked; ++k) {
+    const std::size_t at = leaves[k * leaves.size() / kLooked];
+    std::size_t over = 0;
+    for (const std::size_t i : leaves) {
+      const float dx = cx[i] - cx[at], dy = cy[i] - cy[at], dz = cz[i] - cz[at];
+      const float reach = kInner * radius[i];
+      over += dx * dx + dy * dy + dz * dz < reach * reach ? 1 : 0;
+    }
+    crowded += over > kMost ? 1 : 0;
+    most = std::max(most, over);
+  }
+  if (2 * crowded <= kLooked) return {};
+  return badInput("up to " + std::to_string(most) +
+                  " leaves of the surface overlap at one place, as no fit makes them; fit the scan "
+                  "again");
+}
+
 namespace {
 
 template <typename T>

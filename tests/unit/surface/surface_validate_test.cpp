@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 #include "support/sphere_surface.h"
 
@@ -155,6 +156,19 @@ TEST(Surface, RadiiShrinkWithTheLevels) {
     // A ball that found too few points grows to the radius of the level before.
     EXPECT_LE(largest[static_cast<std::size_t>(k)], most / golden * 1.001) << k;
   }
+}
+
+TEST(Surface, LeavesThatAllOverlapAreRefused) {
+  SLIMSurface surface = sphereSurface(4, 3000);
+  EXPECT_FALSE(surface.checkOverlap());
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    surface.cx[i] = surface.cx[0];
+    surface.cy[i] = surface.cy[0];
+    surface.cz[i] = surface.cz[0];
+  }
+  EXPECT_NE(surface.checkOverlap().message.find("overlap"), std::string::npos);
+  const auto bytes = encodeSlim(surface);
+  EXPECT_FALSE(decodeSlim(bytes.data(), bytes.size()));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {
@@ -194,6 +195,7 @@ Error SlimBlockWriter::finish() {
 }
 
 Result<SlimDirectory> loadSlimDirectory(const std::string& path) {
+  if (isStream(path)) return named(path, badInput("a pipe is read once, as a whole"));
   std::ifstream file;
   const Result<std::uint64_t> size = openFile(path, file);
   if (!size) return size.error();

@@ -50,7 +50,7 @@ void setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes) {
 /** Names what is wrong with a file before anything is allocated for it: its magic, version,
  * sizes and checksum. */
 Error checkSlimFrame(const unsigned char* bytes, std::size_t size) {
-  if (size < sizeof(kMagic) || std::memcmp(bytes, kMagic, sizeof(kMagic)) != 0) {
+  if (!isSlim(bytes, size)) {
     return badInput("not a .slim file: it starts otherwise; name a file written by saveSlim");
   }
   if (size < kSlimHeaderBytes)
@@ -347,7 +347,9 @@ Result<SLIMSurface> decodeSlim(const unsigned char* bytes, std::size_t size) {
   const bool blocks = slimVersionOf(bytes, size) == kSlimBlocksVersion;
   Result<SLIMSurface> surface =
       blocks ? decodeSlimBlocks(bytes, size) : decodeSlimBlock(bytes, size);
-  if (surface) surface->buildLinks();
+  if (!surface) return surface;
+  surface->buildLinks();
+  if (Error error = surface->checkOverlap()) return error;
   return surface;
 }
 
@@ -355,6 +357,10 @@ Error saveSlim(const std::string& path, const SLIMSurface& surface, double round
   if (Error error = surface.validate()) return error;
   const std::vector<unsigned char> bytes = encodeSlim(surface, rounding);
   return writeFile(path, bytes.data(), bytes.size());
+}
+
+bool isSlim(const unsigned char* bytes, std::size_t size) {
+  return size >= sizeof(kMagic) && std::memcmp(bytes, kMagic, sizeof(kMagic)) == 0;
 }
 
 Result<SLIMSurface> loadSlim(const std::string& path) {

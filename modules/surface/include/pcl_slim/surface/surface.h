@@ -142,6 +142,10 @@ class PCL_SLIM_EXPORT SLIMSurface {
    * local units, radii at least 2^-40, coefficients at most 2^30, origin and scale at most 2^1000
    * and the scale at least 2^-1000. O(surfels). */
   Error validate() const;
+
+  /** \brief Names a surface most of whose leaves have more than 2,000 others over their middles, as
+   * no fit makes them: a picture of it would take hours. Looks at 16 leaves. O(surfels). */
+  Error checkOverlap() const;
 };
 
 }  // namespace pcl_slim

@@ -44,6 +44,9 @@ PCL_SLIM_EXPORT Result<SLIMSurface> loadSlim(const std::string& path);
 PCL_SLIM_EXPORT std::vector<unsigned char> encodeSlim(const SLIMSurface& surface,
                                                       double rounding = 0.0);
 
+/** \brief Whether bytes begin as those of a .slim file do. */
+PCL_SLIM_EXPORT bool isSlim(const unsigned char* bytes, std::size_t size);
+
 /** \brief Inverse of encodeSlim. */
 PCL_SLIM_EXPORT Result<SLIMSurface> decodeSlim(const unsigned char* bytes, std::size_t size);
 
