@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -308,6 +309,30 @@ Error followAll(const std::vector<std::vector<CrestSeed>>& seeds,
 }
 
 }  // namespace
+
+Error CrestLines::validate() const {
+  const std::size_t vertices = numVertices(), lines = numLines();
+  const bool whole = normal.size() == vertices && tangent.size() == vertices &&
+                     k1.size() == vertices && k2.size() == vertices &&
+                     prominence.size() == vertices && significance.size() == vertices &&
+                     radius.size() == vertices;
+  if (!whole)
+    return badInput("the lines have " + std::to_string(vertices) +
+                    " vertices and another number of normals, tangents or other values: give each "
+                    "vertex one of each");
+  const bool all = closed.size() == lines && length.size() == lines && strength.size() == lines &&
+                   mean_significance.size() == lines;
+  if (!all)
+    return badInput("there are " + std::to_string(lines) +
+                    " lines and another number of lengths, strengths or other values: give each "
+                    "line one of each");
+  const bool ascending = line_begin.size() == lines + 1 && line_begin.front() == 0 &&
+                         line_begin.back() == vertices &&
+                         std::is_sorted(line_begin.begin(), line_begin.end());
+  if (ascending) return {};
+  return badInput("line_begin does not ascend from 0 to the number of vertices, " +
+                  std::to_string(vertices) + ": give it an offset a line, and the end");
+}
 
 Error CrestParams::validate() const {
   if (!ridges && !ravines) {

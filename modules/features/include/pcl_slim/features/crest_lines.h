@@ -44,7 +44,7 @@ struct PCL_SLIM_EXPORT CrestParams {
  * first vertex. Strongest lines come first; equal ones in order of their first vertex. Curvatures
  * are positive where the surface bends away from the normal.
  */
-struct CrestLines {
+struct PCL_SLIM_EXPORT CrestLines {
   std::vector<std::array<double, 3>> position;
   std::vector<std::array<float, 3>> normal;   ///< unit, the surface's
   std::vector<std::array<float, 3>> tangent;  ///< unit, along the line
@@ -62,6 +62,10 @@ struct CrestLines {
 
   std::size_t numLines() const { return type.size(); }
   std::size_t numVertices() const { return position.size(); }
+
+  /** \brief Names a column of another length than its vertices or lines, or offsets that do not
+   * ascend from 0 to the number of vertices. O(lines). */
+  Error validate() const;
 };
 
 /** \brief What tracing did, and what it left out. */

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 
@@ -13,7 +14,7 @@ namespace pcl_slim {
 
 /** \brief Triangles over shared vertices; corners go round counter-clockwise as seen from outside.
  */
-struct TriangleMesh {
+struct PCL_SLIM_EXPORT TriangleMesh {
   std::vector<Vector3> vertices;                    ///< world coordinates
   std::vector<std::array<float, 3>> normals;        ///< unit, one a vertex
   std::vector<float> k1, k2;                        ///< principal curvatures, k1 >= k2, 1/length
@@ -21,6 +22,10 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertices of each
 
   void clear() { *this = TriangleMesh(); }
+
+  /** \brief Names a column of another length than vertices, or a triangle with a corner that is no
+   * vertex. O(triangles). */
+  Error validate() const;
 };
 
 /** \brief What kind of surface the triangles of a mesh make. */
