@@ -41,6 +41,7 @@ class BytesFile {
 void readPoints(const std::string& path, const std::string& extension) {
   const Result<PointFile> file = loadPointFile(path);
   if (!file) return;
+  if (file->validate()) std::abort();
   static_cast<void>(surfaceFrom(*file));
   static_cast<void>(splatsFrom(*file));
   const std::string copy = path + ".copy" + extension;

@@ -304,6 +304,7 @@ Error checkCrestExtension(const std::string& path) {
 
 Error saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view) {
   if (Error error = checkCrestExtension(path)) return error;
+  if (Error error = lines.validate()) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".vtp") return saveCrestVtp(path, lines);
   if (extension == ".ply") return saveCrestPly(path, lines);

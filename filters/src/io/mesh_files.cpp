@@ -74,7 +74,7 @@ PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (const double x : mesh.vertices[v]) {
       if (columns.narrow)
-        put(static_cast<float>(x), at);
+        put(finiteFloat(x), at);
       else
         put(x, at);
     }
@@ -298,6 +298,7 @@ Error checkMeshExtension(const std::string& path) {
 
 Error saveMesh(const std::string& path, const TriangleMesh& mesh) {
   if (Error error = checkMeshExtension(path)) return error;
+  if (Error error = mesh.validate()) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".ply")
     return savePointFile(path, toPointFile(mesh, {floatsSuffice(mesh), true}));

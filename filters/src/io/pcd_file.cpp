@@ -42,16 +42,6 @@ namespace pcl_slim {
 
 namespace {
 
-bool parseCount(const std::string& word, std::size_t& value) {
-  std::uint64_t parsed = 0;
-  if (!parseScalar(word.data(), word.data() + word.size(), kUInt64,
-                   reinterpret_cast<std::uint8_t*>(&parsed))) {
-    return false;
-  }
-  value = static_cast<std::size_t>(parsed);
-  return true;
-}
-
 bool parseViewpoint(const std::vector<std::string>& words, PointFile& file) {
   if (words.size() != 8) return false;
   float v[7];
@@ -233,6 +223,11 @@ Error truncated(const std::string& unit, std::size_t have, std::size_t want) {
                   std::to_string(want) + " " + unit + "; copy it again");
 }
 
+Error tooMany(std::size_t points) {
+  return badInput("the PCD header announces " + std::to_string(points) +
+                  " points, and more follow: correct WIDTH, HEIGHT and POINTS, or copy it again");
+}
+
 Error readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
                 PointTable& cloud) {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
@@ -258,7 +253,8 @@ Error readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& 
       }
     }
   }
-  return {};
+  const char *begin = nullptr, *end = nullptr;
+  return values > 0 && scanner.nextWord(begin, end) ? tooMany(header.points) : Error();
 }
 
 /** Copies columns out of rows (row by row data) or out of column-major data. */
@@ -284,6 +280,7 @@ Error readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader&
   const std::size_t step = header.step();
   if (step != 0 && header.points > size / step)
     return truncated("points", size / step, header.points);
+  if (step != 0 && header.points < size / step) return tooMany(header.points);
   cloud.data.resize(header.points * cloud.point_step);
   if (step == cloud.point_step) {
     std::copy(payload, payload + header.points * step, cloud.data.begin());

@@ -119,13 +119,9 @@ bool parseFormat(const std::vector<std::string>& words, PlyForm& form) {
 }
 
 bool parseElement(const std::vector<std::string>& words, PlyHeader& header) {
-  std::uint64_t count = 0;
-  if (words.size() != 3) return false;
-  if (!parseScalar(words[2].data(), words[2].data() + words[2].size(), kUInt64,
-                   reinterpret_cast<std::uint8_t*>(&count))) {
-    return false;
-  }
-  header.elements.push_back({words[1], static_cast<std::size_t>(count), {}});
+  std::size_t count = 0;
+  if (words.size() != 3 || !parseCount(words[2], count)) return false;
+  header.elements.push_back({words[1], count, {}});
   return true;
 }
 
@@ -156,6 +152,8 @@ bool parseLine(const std::string& line, PlyHeader& header) {
   if (words[0] == "element") return parseElement(words, header);
   return words[0] == "property" && parseProperty(words, header);
 }
+
+constexpr std::size_t kMostBlank = 10000;  ///< empty lines of a header
 
 /** A property that occurs twice would overwrite itself. */
 Error checkElements(const std::vector<PlyElement>& elements) {
@@ -195,7 +193,12 @@ Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
   if (!scanner.nextLine(line) || splitWords(line) != std::vector<std::string>{"ply"}) {
     return badInput("not a PLY file: it does not start with 'ply'; name a PLY file");
   }
+  std::size_t blank = 0;
   for (int number = 2; scanner.nextLine(line); ++number) {
+    if (line.empty() && ++blank > kMostBlank) {
+      return badInput("the PLY header has more than " + std::to_string(kMostBlank) +
+                      " empty lines: it is damaged, copy the file again");
+    }
     if (splitWords(line) == std::vector<std::string>{"end_header"}) {
       header.size = scanner.position();
       return checkElements(header.elements);
@@ -302,6 +305,17 @@ class BodyReader {
                                  ? static_cast<std::size_t>(end_ - at_) - scanner_.position()
                                  : static_cast<std::size_t>(end_ - at_);
     return form_ == PlyForm::kAscii ? left / 2 + 1 : left / size;
+  }
+
+  /** Whether all that follows the header has been read: text may end with blanks, bytes with a line
+   * end. */
+  Error checkEnd() {
+    const char *begin = nullptr, *end = nullptr;
+    const bool more = form_ == PlyForm::kAscii ? scanner_.nextWord(begin, end) : end_ - at_ > 2;
+    if (!more) return {};
+    return badInput(
+        "more follows the last element that the PLY header announces: correct its numbers of "
+        "elements, or copy the file again");
   }
 
   /** Why the last next() failed. */
@@ -442,6 +456,7 @@ Result<PointFile> parsePly(const std::vector<unsigned char>& bytes) {
   for (const PlyElement& element : header.elements) {
     if (Error error = readElement(in, element, file)) return error;
   }
+  if (Error error = in.checkEnd()) return error;
   const std::size_t n = numPoints(file.cloud);
   for (const std::uint32_t vertex : file.face_vertices) {
     if (vertex >= n) {

@@ -13,6 +13,7 @@
 #include "io/point_formats.h"
 #include "io/vtp/vtp.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {
 
@@ -80,10 +81,27 @@ void swapBytes(std::uint8_t* at, std::size_t size) {
   std::reverse(at, at + size);
 }
 
+bool parseCount(const std::string& word, std::size_t& count) {
+  double value = 0;
+  std::uint64_t whole = 0;
+  const char *begin = word.data(), *end = begin + word.size();
+  const bool valid = parseScalar(begin, end, kFloat64, reinterpret_cast<std::uint8_t*>(&value)) &&
+                     value == std::floor(value) &&
+                     parseScalar(begin, end, kUInt64, reinterpret_cast<std::uint8_t*>(&whole));
+  count = static_cast<std::size_t>(whole);
+  return valid;
+}
+
+char lineEndOf(const char* begin, const char* end) {
+  const char* const first = std::find_if(begin, end, [](char c) { return c == '\n' || c == '\r'; });
+  const bool alone = first != end && *first == '\r' && (first + 1 == end || first[1] != '\n');
+  return alone ? '\r' : '\n';
+}
+
 bool TextScanner::nextLine(std::string& line) {
   if (at_ == end_) return false;
   const char* stop =
-      static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+      static_cast<const char*>(std::memchr(at_, line_end_, static_cast<std::size_t>(end_ - at_)));
   if (!stop) stop = end_;
   const char* text_end = stop;
   if (text_end != at_ && text_end[-1] == '\r') --text_end;
@@ -129,14 +147,44 @@ constexpr Format kFormats[] = {{".pcd", parsePcd},
                                {".stl", parseStl},
                                {".vtp", parseVtp}};
 
+/** The first line of text that is no comment and not empty. */
+std::string firstLine(const Bytes& bytes) {
+  constexpr std::size_t kMost = 1 << 16;
+  TextScanner scanner(bytes.data(), std::min(bytes.size(), kMost));
+  std::string line;
+  while (scanner.nextLine(line) && (splitWords(line).empty() || line[0] == '#')) line.clear();
+  return line;
+}
+
+/** The extension that the content of a file shows, for what has no name: .xyz where nothing else
+ * does. */
+std::string extensionOf(const Bytes& bytes) {
+  constexpr std::size_t kStlHead = 84, kStlFacet = 50;
+  const auto beginsWith = [&bytes](const std::string& text) {
+    return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
+  };
+  if (beginsWith("LASF")) return ".las";
+  if (isSlim(bytes.data(), bytes.size())) return ".slim";
+  if (beginsWith("<?xml") || beginsWith("<VTKFile")) return ".vtp";
+  std::uint32_t facets = 0;
+  if (bytes.size() >= kStlHead) std::memcpy(&facets, bytes.data() + kStlHead - 4, sizeof(facets));
+  if (facets > 0 && bytes.size() == kStlHead + kStlFacet * std::size_t{facets}) return ".stl";
+  const std::vector<std::string> words = splitWords(firstLine(bytes));
+  const std::string first = words.empty() ? "" : words[0];
+  if (first == "ply") return ".ply";
+  if (first == "VERSION" || first == "FIELDS" || first == "COLUMNS") return ".pcd";
+  if (first == "solid") return ".stl";
+  if (first == "v" || first == "vn" || first == "mtllib" || first == "o") return ".obj";
+  for (const char* off : {"OFF", "COFF", "NOFF", "CNOFF"})
+    if (first == off) return ".off";
+  return ".xyz";
+}
+
 /** What to do with a file that is not read, or not in this build. */
 Error refused(const std::string& path, const std::string& extension) {
   const std::string stem = path.substr(0, path.size() - extension.size());
   if (extension == ".vtp") return checkVtp(path);
-  if (path == "-" || path == "/dev/stdin") {
-    return {ErrorCode::kBadArgument,
-            "a pipe has no extension to tell its format by; give it a name: mkfifo scan.pcd"};
-  }
+  if (path == "-") return {ErrorCode::kBadArgument, "to read a pipe, name /dev/stdin"};
   if (extension == ".laz") {
     return {ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
                                          path + "' -o '" + stem + ".las'"};
@@ -152,8 +200,11 @@ Error refused(const std::string& path, const std::string& extension) {
               ".vtp file"};
 }
 
-Result<const Format*> formatOf(const std::string& path) {
-  const std::string extension = lowerExtension(path);
+bool isNameless(const std::string& path) {
+  return isStream(path) && lowerExtension(path).empty();
+}
+
+Result<const Format*> formatOf(const std::string& path, const std::string& extension) {
   for (const Format& format : kFormats) {
     const bool missing = extension == ".vtp" && checkVtp(path);
     if (extension == format.extension && !missing) return &format;
@@ -163,25 +214,60 @@ Result<const Format*> formatOf(const std::string& path) {
 
 }  // namespace
 
+namespace {
+
+/** Names of fields become words, and comments lines, as all formats can write them. */
+void makeWords(PointFile& file) {
+  for (PointField& field : file.cloud.fields) {
+    for (char& c : field.name) {
+      if (static_cast<unsigned char>(c) <= ' ' || c == '\x7f') c = '_';
+    }
+    if (field.name.empty()) field.name = "unnamed";
+  }
+  for (std::string& comment : file.comments) {
+    for (char& c : comment) {
+      if (c == '\r' || c == '\n') c = ' ';
+    }
+  }
+}
+
+}  // namespace
+
 Error checkPointFileExtension(const std::string& path) {
-  const auto format = formatOf(path);
+  if (isNameless(path)) return {};
+  const auto format = formatOf(path, lowerExtension(path));
   return format ? Error() : format.error();
 }
 
-Result<PointFile> loadPointFile(const std::string& path) {
-  const auto format = formatOf(path);
-  if (!format) return format.error();
-  const Result<Bytes> bytes = readFile(path);
-  if (!bytes) return bytes.error();
-  if (bytes->empty())
+Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsigned char>& bytes) {
+  if (bytes.empty())
     return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
-  Result<PointFile> file = (*format)->parse(*bytes);
-  if (file) return file;
+  const std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
+  if (extension == ".slim") {
+    return Error{ErrorCode::kBadInput,
+                 "'" + path +
+                     "' is a surface, not points; name a scan, or give the surface a name "
+                     "that ends in .slim"};
+  }
+  const auto format = formatOf(path, extension);
+  if (!format) return format.error();
+  Result<PointFile> file = (*format)->parse(bytes);
+  if (file) {
+    makeWords(*file);
+    return file;
+  }
   return Error{file.error().code, "'" + path + "': " + file.error().message};
+}
+
+Result<PointFile> loadPointFile(const std::string& path) {
+  if (Error error = checkPointFileExtension(path)) return error;
+  const Result<Bytes> bytes = readFile(path);
+  return bytes ? parsePointFile(path, *bytes) : bytes.error();
 }
 
 Error savePointFile(const std::string& path, const PointFile& file) {
   const std::string extension = lowerExtension(path);
+  if (Error error = file.validate()) return error;
   if (extension == ".pcd") {
     const Bytes bytes = formatPcd(file);
     return writeFile(path, bytes.data(), bytes.size());

@@ -295,6 +295,7 @@ Error PointFileWriter::open(const std::string& path, std::uint64_t width, std::u
 }
 
 Error PointFileWriter::add(const PointFile& piece) {
+  if (Error error = piece.validate()) return error;
   Result<Bytes> bytes = pcd_ ? Result<Bytes>(formatPcd(piece)) : formatPly(piece);
   if (!bytes) return bytes.error();
   const std::size_t head = headerBytes(*bytes, pcd_);

@@ -20,13 +20,19 @@ std::string formatScalar(double value);
 /** Turns the bytes of one value round. */
 void swapBytes(std::uint8_t* at, std::size_t size);
 
+/** The character that ends lines: '\r' where the first line has no '\n' behind it, as of old Macs. */
+char lineEndOf(const char* begin, const char* end);
+
 /** Reads text in memory word by word. */
 class TextScanner {
  public:
   TextScanner(const unsigned char* bytes, std::size_t size)
-      : begin_(reinterpret_cast<const char*>(bytes)), at_(begin_), end_(begin_ + size) {}
+      : begin_(reinterpret_cast<const char*>(bytes)),
+        at_(begin_),
+        end_(begin_ + size),
+        line_end_(lineEndOf(begin_, end_)) {}
 
-  /** Next line without its end ("\n" or "\r\n"). false: no more lines. */
+  /** Next line without its end ("\n", "\r\n" or "\r"). false: no more lines. */
   bool nextLine(std::string& line);
   /** Next word, separated by white space and line ends. false: no more words. */
   bool nextWord(const char*& begin, const char*& end);
@@ -37,7 +43,11 @@ class TextScanner {
   const char* begin_;
   const char* at_;
   const char* end_;
+  char line_end_;
 };
+
+/** A whole number, 0 or more. false: the word is none. */
+bool parseCount(const std::string& word, std::size_t& count);
 
 /** Words of a line. */
 std::vector<std::string> splitWords(const std::string& line);

@@ -225,6 +225,7 @@ bool holdsSplats(const PointFile& file) {
 }
 
 Result<SplatSet> splatsFrom(const PointFile& file, std::uint64_t* skipped) {
+  if (Error error = file.validate()) return error;
   std::uint64_t own = 0;
   return Reader(file).read(skipped ? *skipped : own);
 }

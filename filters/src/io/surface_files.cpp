@@ -344,16 +344,25 @@ Result<SLIMSurface> surfaceFrom(const PointFile& file) {
 }
 
 Result<SLIMSurface> loadSurface(const std::string& path) {
-  if (Error error = checkSurfaceExtension(path)) return error;
   const std::string extension = lowerExtension(path);
-  if (extension == ".slim") return loadSlim(path);
+  const bool nameless = isStream(path) && extension.empty();
+  if (!nameless) {
+    if (Error error = checkSurfaceExtension(path)) return error;
+  }
   if (extension == ".pvtp") return loadPieces(path);
-  const Result<PointFile> file = loadPointFile(path);
+  const Result<std::vector<unsigned char>> bytes = readFile(path);
+  if (!bytes) return bytes.error();
+  const auto named = [&path](const Error& error) {
+    return Error{error.code, "'" + path + "': " + error.message};
+  };
+  if (extension == ".slim" || (nameless && isSlim(bytes->data(), bytes->size()))) {
+    Result<SLIMSurface> surface = decodeSlim(bytes->data(), bytes->size());
+    return surface ? std::move(surface) : named(surface.error());
+  }
+  const Result<PointFile> file = parsePointFile(path, *bytes);
   if (!file) return file.error();
-
   Result<SLIMSurface> surface = surfaceFrom(*file);
-  if (surface) return surface;
-  return Error{surface.error().code, "'" + path + "': " + surface.error().message};
+  return surface ? std::move(surface) : named(surface.error());
 }
 
 }  // namespace pcl_slim

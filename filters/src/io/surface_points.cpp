@@ -409,6 +409,7 @@ Result<SLIMSurface> surfaceOf(const std::vector<SurfelPoint>& points,
   setCoarseTrimMaps(maps, surface);
   if (Error error = surface.validate()) return error;
   surface.buildLinks();
+  if (Error error = surface.checkOverlap()) return error;
   return surface;
 }
 
@@ -449,6 +450,7 @@ SurfaceMetadata toPointTable(const SLIMSurface& surface, PointTable& cloud) {
 }
 
 Result<SLIMSurface> surfaceFrom(const PointTable& cloud, const SurfaceMetadata* metadata) {
+  if (Error error = checkPointTable(cloud)) return error;
   Columns columns;
   if (Error error = findColumns(cloud, columns)) return error;
   if (metadata && metadata->info.degree > columns.degree) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "io/ply_file.h"
@@ -77,7 +78,9 @@ std::string textOf(const Word& word) {
 class TableReader {
  public:
   explicit TableReader(const std::vector<unsigned char>& bytes)
-      : at_(reinterpret_cast<const char*>(bytes.data())), end_(at_ + bytes.size()) {
+      : at_(reinterpret_cast<const char*>(bytes.data())),
+        end_(at_ + bytes.size()),
+        line_end_(lineEndOf(at_, end_)) {
     if (bytes.size() >= 3 && std::memcmp(at_, "\xef\xbb\xbf", 3) == 0) at_ += 3;
   }
 
@@ -87,8 +90,8 @@ class TableReader {
           "it is no text: it holds bytes of 0; name a file of the format that its "
           "extension says");
     while (at_ != end_) {
-      const char* stop =
-          static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+      const char* stop = static_cast<const char*>(
+          std::memchr(at_, line_end_, static_cast<std::size_t>(end_ - at_)));
       const Word line = trimmed(at_, stop ? stop : end_);
       at_ = stop ? stop + 1 : end_;
       ++line_;
@@ -96,9 +99,9 @@ class TableReader {
       if (Error error = takeLine(line)) return error;
     }
     if (table_.columns.empty()) return badInput("it has no points: give one a line, as x y z");
-    if (expected_ > table_.rows()) {
+    if (expected_.value_or(0) > table_.rows()) {
       return badInput("the file is truncated: " + std::to_string(table_.rows()) + " of " +
-                      std::to_string(expected_) + " points; copy it again");
+                      std::to_string(*expected_) + " points; copy it again");
     }
     return std::move(table_);
   }
@@ -130,6 +133,11 @@ class TableReader {
     }
     if (table_.columns.empty()) {
       if (Error error = beginRows()) return error;
+    }
+    if (expected_ && table_.rows() >= *expected_) {
+      return badInput("line " + std::to_string(line_) + " is one point more than the " +
+                      std::to_string(*expected_) +
+                      " that a line before announces; correct that number, or copy the file again");
     }
     return takeRow();
   }
@@ -236,9 +244,11 @@ class TableReader {
 
   const char* at_;
   const char* end_;
+  char line_end_;
   char separator_ = ' ';
   bool begun_ = false;
-  std::size_t line_ = 0, first_row_ = 0, expected_ = 0;
+  std::size_t line_ = 0, first_row_ = 0;
+  std::optional<std::size_t> expected_;  ///< rows, after the last line with their number
   std::vector<std::string> names_;
   std::vector<Word> words_;
   TextTable table_;

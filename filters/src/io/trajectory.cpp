@@ -160,6 +160,7 @@ Result<Trajectory> loadTrajectory(const std::string& path) {
 Result<std::vector<double>> sensorPlaces(const Trajectory& trajectory, const PointFile& file,
                                          const std::string& time_field, double offset) {
   const PointTable& cloud = file.cloud;
+  if (Error error = checkPointTable(cloud)) return error;
   const auto field = timeField(cloud, time_field);
   if (!field) return field.error();
   const PointField* axes[3];

@@ -271,6 +271,17 @@ TEST(LasFile, BoastfulHeadersAreErrors) {
   }
 }
 
+TEST(LasFile, AHeaderThatAnnouncesFewerPointsThanThereAreIsRefused) {
+  LasBytes las = lasBytes(1, 600, false);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(load(folder, las.bytes));
+  las.put(107, std::uint32_t{599});
+  const auto file = load(folder, las.bytes);
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().message.find("599 points, and the file has 600"), std::string::npos)
+      << file.error().message;
+}
+
 TEST(LasFile, DamagedFilesNeverCrash) {
   const TemporaryFolder folder;
   std::mt19937 random(3);

@@ -364,11 +364,25 @@ void readRecord(const unsigned char* record, const LasHeader& header,
   }
 }
 
+/** Whether nothing that the header announces follows the points, but more of them do. */
+Error checkEnd(const std::vector<unsigned char>& bytes, const LasHeader& header) {
+  const unsigned char* p = bytes.data();
+  const bool waves = header.minor >= 3 && header.header_bytes >= LasAt::kEvlrs &&
+                     getLas<std::uint64_t>(p + LasAt::kWaveform) != 0;
+  const bool records = header.minor >= 4 && getLas<std::uint32_t>(p + LasAt::kNumEvlrs) != 0;
+  const std::uint64_t there = (bytes.size() - header.points_at) / header.record_bytes;
+  if (waves || records || there == header.points) return {};
+  return badInput("the LAS header announces " + std::to_string(header.points) +
+                  " points, and the file has " + std::to_string(there) +
+                  ": copy it again, or mend the header: lasinfo -repair");
+}
+
 }  // namespace
 
 Result<PointFile> parseLas(const std::vector<unsigned char>& bytes) {
   const Result<LasHeader> header = parseLasHeader(bytes, bytes.size());
   if (!header) return header.error();
+  if (Error error = checkEnd(bytes, *header)) return error;
   PointFile file;
   const std::vector<Move> moves = layOut(*header, file.cloud);
   const auto points = static_cast<std::size_t>(header->points);

@@ -38,7 +38,8 @@ inline pcl::PCLPointCloud2 toPCL(PointTable table) {
 }
 
 /** \brief The same points without PCL; bytes between a cloud's rows are left out. The header has no
- * place in files. */
+ * place in files. A cloud that contradicts itself stays as it is: checkPointTable() names the
+ * defect. */
 inline PointTable toPointTable(pcl::PCLPointCloud2 cloud) {
   PointTable table;
   for (const pcl::PCLPointField& field : cloud.fields) {
@@ -48,10 +49,13 @@ inline PointTable toPointTable(pcl::PCLPointCloud2 cloud) {
   table.width = cloud.width;
   table.point_step = cloud.point_step;
   const std::size_t row = std::size_t{cloud.point_step} * cloud.width;
-  for (std::size_t i = 1; i < cloud.height && cloud.row_step > row; ++i) {
-    std::memmove(cloud.data.data() + i * row, cloud.data.data() + i * cloud.row_step, row);
-  }
   table.data = std::move(cloud.data);
+  const bool padded = cloud.row_step > row && cloud.height > 0 &&
+                      table.data.size() / cloud.row_step >= cloud.height - 1 &&
+                      table.data.size() >= std::size_t{cloud.row_step} * (cloud.height - 1) + row;
+  if (!padded) return table;
+  for (std::size_t i = 1; i < cloud.height; ++i)
+    std::memmove(table.data.data() + i * row, table.data.data() + i * cloud.row_step, row);
   table.data.resize(row * cloud.height);
   return table;
 }

@@ -38,6 +38,10 @@ struct PCL_SLIM_EXPORT PointFile {
   /** \brief Whether origin or orientation differ by more than 1e-5 from 0 and no turn, which files
    * have whose sensor is not known. */
   bool hasSensorPose() const;
+
+  /** \brief Names what contradicts itself: in the cloud (checkPointTable), in a comment, or in the
+   * faces. What loadPointFile() returns is consistent. O(faces). */
+  Error validate() const;
 };
 
 /** \brief Reads a point file by its extension, upper or lower case.
@@ -57,10 +61,18 @@ struct PCL_SLIM_EXPORT PointFile {
  * read and has none. Ignored parts of a file (elements of a PLY file other than vertices and faces,
  * texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
  * the error names the command that converts them.
+ *
+ * The file is opened once, so that it may be a pipe. The content of a stream without an extension
+ * (isStream(): /dev/stdin) shows its format; text is then .xyz.
  */
 PCL_SLIM_EXPORT Result<PointFile> loadPointFile(const std::string& path);
 
-/** \brief No error for an extension that loadPointFile() knows. */
+/** \brief The same of bytes that are read already. \param[in] path gives the extension, and a name
+ * to errors */
+PCL_SLIM_EXPORT Result<PointFile> parsePointFile(const std::string& path,
+                                                 const std::vector<unsigned char>& bytes);
+
+/** \brief No error for an extension that loadPointFile() knows, and for a stream without one. */
 PCL_SLIM_EXPORT Error checkPointFileExtension(const std::string& path);
 
 /** \brief Writes .pcd (binary), .ply (binary_little_endian), .las or .vtp by extension.
@@ -71,8 +83,8 @@ PCL_SLIM_EXPORT Error checkPointFileExtension(const std::string& path);
  * are in no cell. A .las of points read from one keeps its version, point format, records and extra
  * bytes; new fields become extra bytes. Coordinates that its scale cannot represent get a finer
  * one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to a
- * billionth of the extent. \return an error for another extension or when the file cannot be
- * written. */
+ * billionth of the extent. \return an error for another extension, for points that contradict themselves
+ * (PointFile::validate) or when the file cannot be written. */
 PCL_SLIM_EXPORT Error savePointFile(const std::string& path, const PointFile& file);
 
 }  // namespace pcl_slim

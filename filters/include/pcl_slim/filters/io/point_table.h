@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/scalar_type.h"
 
 namespace pcl_slim {
@@ -62,5 +64,9 @@ template <typename Table, typename Field>
 double fieldValue(const Table& cloud, std::size_t point, const Field& field) {
   return readScalar(cloud.data.data() + point * cloud.point_step + field.offset, field.datatype);
 }
+
+/** \brief Names what contradicts itself in a table: its bytes of data and its number of points, a
+ * field's name, type or place in a point. O(fields). */
+PCL_SLIM_EXPORT Error checkPointTable(const PointTable& table);
 
 }  // namespace pcl_slim
