@@ -28,8 +28,9 @@ void ColorOctreeSplatSamplerBase::clearResults() {
 bool ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors,
                                       SplatSet& splats) {
   const CancellableRun cancellable(control_.progress);
+  const SplatParams params = params_;
   const bool done = guarded("the sampling", "sample fewer points", [&] {
-    return sampleSplats(cloud, colors, params_, splats, &statistics_, &control_.progress);
+    return sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
   });
   if (done)
     warnOfSides(statistics_.sides, statistics_.normals);

@@ -19,9 +19,8 @@ void SLIMProjectionBase::clearResults() {
   outside_.clear();
 }
 
-bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
-                                 const FitParams& fit, const ProjectionParams& requested,
-                                 CloudProjection& projection) {
+bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted, FitParams fit,
+                                 const ProjectionParams& requested, CloudProjection& projection) {
   const CancellableRun cancellable(control_.progress);
   error_ = fit.validate();
   if (error_) return false;
@@ -60,15 +59,16 @@ bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionPa
 Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
                                         const FitParams& fit, const ProjectionParams& requested,
                                         CloudProjection& projection) {
-  if (!given_surface_) {
+  const SurfaceConstPtr given = given_surface_;
+  if (!given) {
     auto made = projectOnFit(points, fitted, fit, requested);
     if (!made) return made.error();
     projection = std::move(*made);
     return {};
   }
-  if (Error error = given_surface_->validate()) return error;
-  auto made = projectScan(points, *given_surface_, SurfaceOrigin::kGiven, fit, requested,
-                          &control_.progress);
+  if (Error error = given->validate()) return error;
+  auto made =
+      projectScan(points, *given, SurfaceOrigin::kGiven, fit, requested, &control_.progress);
   if (!made) return made.error();
   projection = std::move(*made);
   input_statistics_ = projection.inputStatistics();

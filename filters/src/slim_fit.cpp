@@ -64,6 +64,9 @@ bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*ca
     fail(ErrorCode::kBadInput, std::string("not enough memory for this cloud; ") + remedy);
   } catch (const std::exception& failure) {
     fail(ErrorCode::kBadInput, std::string(work) + " stopped: " + failure.what());
+  } catch (...) {
+    fail(ErrorCode::kBadInput,
+         std::string(work) + " stopped: the progress callback threw what is no std::exception");
   }
   return !error_;
 }
@@ -104,7 +107,7 @@ Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, Fit
   return error;
 }
 
-bool SLIMFitBase::run(const ScanView& scan, const FitParams& params, SLIMSurface& surface) {
+bool SLIMFitBase::run(const ScanView& scan, FitParams params, SLIMSurface& surface) {
   const CancellableRun cancellable(control_.progress);
   FittedScan fitted;
   const bool done =

@@ -106,11 +106,13 @@ bool SLIMMeshSmoother::process(pcl::PolygonMesh& output) {
 }
 
 Error SLIMMeshSmoother::smooth(pcl::PolygonMesh& made) {
-  if (!input_) return {ErrorCode::kBadInput, "no input mesh is set; call setInputMesh()"};
-  const RealTriple xyz(input_->cloud, kPosition), normal(input_->cloud, kNormal);
-  if (Error error = checkCloud(input_->cloud, xyz)) return error;
-  std::vector<Vector3> vertices(numPoints(input_->cloud));
-  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = xyz.read(input_->cloud, i);
+  const auto input = input_;
+  const SurfaceConstPtr given = given_surface_;
+  if (!input) return {ErrorCode::kBadInput, "no input mesh is set; call setInputMesh()"};
+  const RealTriple xyz(input->cloud, kPosition), normal(input->cloud, kNormal);
+  if (Error error = checkCloud(input->cloud, xyz)) return error;
+  std::vector<Vector3> vertices(numPoints(input->cloud));
+  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = xyz.read(input->cloud, i);
   CloudView view;
   view.xyz = vertices.data();
   view.xyz_stride = sizeof(Vector3);
@@ -121,12 +123,12 @@ Error SLIMMeshSmoother::smooth(pcl::PolygonMesh& made) {
   params.edges = edges_;
   SmoothedMesh smoothed;
   auto fitted = std::make_shared<SLIMSurface>();
-  Error error = smoothMesh(view, facesOf(*input_), params, given_surface_.get(), smoothed,
-                           &mesh_statistics_, fitted.get(), &control_.progress);
+  Error error = smoothMesh(view, facesOf(*input), params, given.get(), smoothed, &mesh_statistics_,
+                           fitted.get(), &control_.progress);
   statistics_ = mesh_statistics_.fit;
   if (error) return error;
-  if (!given_surface_) fitted_surface_ = fitted;
-  made = *input_;
+  if (!given) fitted_surface_ = fitted;
+  made = *input;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (smoothed.vertices[i] != vertices[i]) xyz.write(smoothed.vertices[i], i, made.cloud);
     const bool has_normal = smoothed.normals[i] != Vector3{};

@@ -102,7 +102,8 @@ bool SLIMReconstructionBase::makeMesh(const ScanView& scan) {
   params.trim = params_.trim;
   params.threads = params_.threads;
   if (const Error error = params.validate()) return fail(error.code, error.message);
-  SurfaceConstPtr surface = given_surface_;
+  const SurfaceConstPtr given = given_surface_;
+  SurfaceConstPtr surface = given;
   SLIMSurface sharp;
   if (!surface) {
     auto fitted = std::make_shared<SLIMSurface>();
@@ -125,7 +126,7 @@ bool SLIMReconstructionBase::makeMesh(const ScanView& scan) {
     mesh_.clear();
     return false;
   }
-  if (!given_surface_) fitted_surface_ = surface;
+  if (!given) fitted_surface_ = surface;
   return true;
 }
 

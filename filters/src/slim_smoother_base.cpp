@@ -314,8 +314,7 @@ static void setField(const std::array<float, N>& values, std::size_t offset, uns
 void SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target,
                            unsigned char* to) const {
   const auto& p = point.position;
-  setField<3>({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])},
-              target.position, to);
+  setField<3>({finiteFloat(p[0]), finiteFloat(p[1]), finiteFloat(p[2])}, target.position, to);
   putNormal(point, target, to);
 }
 

@@ -26,10 +26,11 @@ struct CloudInput {
   FrameNumbers frames;        ///< null: not known
 };
 
-/** \brief A view of a PCL cloud, valid while that cloud and this object live. */
+/** \brief A view of a PCL cloud, valid while this object lives. */
 struct DescribedCloud {
   CloudView view;
   std::vector<float> estimated;  ///< normals, three floats a point, which view refers to
+  std::vector<pcl::shared_ptr<const void>> kept;  ///< what else view refers to
 
   DescribedCloud() = default;
   DescribedCloud(DescribedCloud&&) = default;

@@ -23,7 +23,8 @@ class RunControl {
 
   Progress::Callback callback;
   Progress progress{[this](float fraction, const char* stage) {
-    if (callback) callback(fraction, stage);
+    const Progress::Callback now = callback;  // which may replace the callback
+    if (now) now(fraction, stage);
   }};
 };
 
@@ -31,7 +32,9 @@ class RunControl {
  * the reason why it failed. */
 class PCL_SLIM_EXPORT ControlledRun {
  public:
-  /** \brief Called from the thread that runs with the share done and the stage's name. */
+  /** \brief Called from the thread that runs with the share done and the stage's name. It may call
+   * setters: the run goes on with the inputs and parameters that it began with. What it throws
+   * stops the run. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
   /** \brief Stops the run in progress, from any thread or a signal handler. Before an object's

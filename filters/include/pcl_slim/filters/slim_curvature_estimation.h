@@ -89,7 +89,8 @@ class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
   void computeFeature(PointCloudOut& output) override;
   /** \brief Fits and projects. */
   bool run(CloudProjection& projection, PointCloudOut& output);
-  void write(const CloudProjection& projection, PointCloudOut& output) const;
+  void write(const pcl::PointCloud<PointInT>& input, const pcl::Indices& indices,
+             const CloudProjection& projection, PointCloudOut& output) const;
   bool refuse(ErrorCode code, const std::string& message);
   void complain() const;
 

@@ -136,7 +136,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters 
   Error fitAndKeep(const ScanView& scan, const FitParams& params, FittedScan& fitted);
   /** \brief The same for a class that keeps nothing but the surface. \return whether there is one;
    * getError() gives the reason if not. */
-  bool run(const ScanView& scan, const FitParams& params, SLIMSurface& surface);
+  bool run(const ScanView& scan, FitParams params, SLIMSurface& surface);
 
   SensorPositions sensors_;
   FrameNumbers frames_;

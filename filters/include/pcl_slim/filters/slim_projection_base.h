@@ -49,7 +49,7 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase, public GivenSurfa
   /** \brief Fits, unless a surface is given, and projects.
    * \param[in] points what to project; \param[in] fitted what to fit to, the same object if it is
    * the same cloud; \param[in] fit parameters, those of the setters but for what a class adds. */
-  bool project(const CloudView& points, const CloudView& fitted, const FitParams& fit,
+  bool project(const CloudView& points, const CloudView& fitted, FitParams fit,
                const ProjectionParams& requested, CloudProjection& projection);
 
   /** \brief Projects other points onto the surface of the last run. */

@@ -180,7 +180,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
    * output's type \param[in] same whether that is the input's */
   template <typename PointT>
   void smoothInput(const CloudInput<PointT>& input,
-                   const typename pcl::PointCloud<PointT>::ConstPtr& distinct, void* output,
+                   typename pcl::PointCloud<PointT>::ConstPtr distinct, void* output,
                    Target (*target_of)(void*), bool same);
   /** \brief Performs a run into a cloud apart, because output may be the input, and prints what it
    * has to say. Output is empty after an error. */

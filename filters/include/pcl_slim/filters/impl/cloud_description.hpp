@@ -216,6 +216,7 @@ Result<DescribedCloud> describeCloud(const CloudInput<PointT>& input, const FitP
   DescribedCloud described;
   CloudView& view = described.view;
   if (Error error = describePoints(input, params, view)) return error;
+  described.kept = {input.cloud, input.indices, input.normals, input.sensors, input.frames};
   if (input.normals) {
     if (Error error = checkOneEach(input.normals->size(), "normals", view.size)) return error;
     view.normal = input.normals->points.data()->normal;

@@ -72,11 +72,12 @@ template <typename PointT>
 bool ColorOctreeSplatSampler<PointT>::sample(pcl::PointCloud<pcl::PointSurfel>& splats) {
   splats = pcl::PointCloud<pcl::PointSurfel>();
   SplatSet set;
+  const auto input = input_;
   if (!sample(set)) return false;
   toPCL(set, {}, splats);
-  splats.header = input_->header;
-  splats.sensor_origin_ = input_->sensor_origin_;
-  splats.sensor_orientation_ = input_->sensor_orientation_;
+  splats.header = input->header;
+  splats.sensor_origin_ = input->sensor_origin_;
+  splats.sensor_orientation_ = input->sensor_orientation_;
   return true;
 }
 
@@ -120,7 +121,12 @@ void ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices) {
   indices.clear();
   removed_indices_->clear();
   SplatSet splats;
-  if (!sample(splats)) {
+  const auto input = input_;
+  const auto chosen_indices = indices_;
+  const bool done = sample(splats);
+  input_ = input;  // PCL's filter() goes on with both
+  indices_ = chosen_indices;
+  if (!done) {
     complain();
     return;
   }

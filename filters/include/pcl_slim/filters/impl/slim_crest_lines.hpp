@@ -19,17 +19,18 @@ bool SLIMCrestLines<PointT>::compute(CrestLines& lines) {
   const Result<DescribedCloud> cloud = describeCloud(this->cloudInput(), this->params_);
   if (!cloud) return this->fail(cloud.error().code, cloud.error().message);
   TracedScan traced;
+  const SurfaceConstPtr given = given_surface_;
+  const FitParams fit = this->params_;
+  const CrestParams crest = crest_;
   const bool done = this->guarded("the tracing", "use fewer points", [&] {
-    return traceScanLines(cloud->view, given_surface_.get(), this->params_, crest_, traced,
-                          &this->control_.progress);
+    return traceScanLines(cloud->view, given.get(), fit, crest, traced, &this->control_.progress);
   });
   this->statistics_ = traced.fitted.statistics;
   this->input_statistics_ = traced.fitted.store.statistics();
   if (!done) return false;
   lines = std::move(traced.lines);
   crest_statistics_ = traced.statistics;
-  if (!given_surface_)
-    fitted_surface_ = std::make_shared<SLIMSurface>(std::move(traced.fitted.surface));
+  if (!given) fitted_surface_ = std::make_shared<SLIMSurface>(std::move(traced.fitted.surface));
   return true;
 }
 
@@ -37,9 +38,10 @@ template <typename PointT>
 bool SLIMCrestLines<PointT>::compute(pcl::PointCloud<PointCrest>& vertices) {
   vertices = pcl::PointCloud<PointCrest>();
   CrestLines lines;
+  const auto input = input_;
   if (!compute(lines)) return false;
   toPointCloud(lines, vertices);
-  vertices.header = input_->header;
+  vertices.header = input->header;
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/scalar_type.h"
 #include "pcl_slim/filters/cloud_description.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
 
@@ -37,9 +38,9 @@ template <typename PointT>
 void setCurvature(const ProjectedPoint& from, PointT& to) {
   namespace fields = pcl::fields;
   const PrincipalFrame& principal = from.principal;
-  setField<fields::x>(to, static_cast<float>(from.position[0]));
-  setField<fields::y>(to, static_cast<float>(from.position[1]));
-  setField<fields::z>(to, static_cast<float>(from.position[2]));
+  setField<fields::x>(to, finiteFloat(from.position[0]));
+  setField<fields::y>(to, finiteFloat(from.position[1]));
+  setField<fields::z>(to, finiteFloat(from.position[2]));
   setField<fields::normal_x>(to, from.normal[0]);
   setField<fields::normal_y>(to, from.normal[1]);
   setField<fields::normal_z>(to, from.normal[2]);
@@ -130,13 +131,14 @@ void SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut&
 template <typename PointInT, typename PointOutT>
 bool SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
                                                        PointCloudOut& output) {
-  const bool apart = surface_ && surface_ != input_;
-  const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
+  const auto input = input_, searched = surface_;
+  const pcl::IndicesConstPtr all = indices_, indices = use_indices_ ? all : nullptr;
+  const bool apart = searched && searched != input;
   Result<DescribedCloud> points = DescribedCloud();
-  if (apart) points = describeCloud<PointInT>({input_, indices, {}, {}, 0, {}, {}}, params_);
+  if (apart) points = describeCloud<PointInT>({input, indices, {}, {}, 0, {}, {}}, params_);
   if (!points) return fail(points.error().code, points.error().message);
   const Result<DescribedCloud> fitted =
-      describeCloud<PointInT>({apart ? surface_ : input_, apart ? nullptr : indices, normals_,
+      describeCloud<PointInT>({apart ? searched : input, apart ? nullptr : indices, normals_,
                                this->tree_, normal_neighbours_, sensors_, frames_},
                               params_);
   if (!fitted) return fail(fitted.error().code, fitted.error().message);
@@ -145,15 +147,17 @@ bool SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projecti
   params.planes = hasPlanes<PointOutT>();
   const CloudView& view = apart ? points->view : fitted->view;
   if (!project(view, fitted->view, params_, params, projection)) return false;
-  write(projection, output);
+  write(*input, *all, projection, output);
   return true;
 }
 
 template <typename PointInT, typename PointOutT>
-void SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& projection,
+void SLIMCurvatureEstimation<PointInT, PointOutT>::write(const pcl::PointCloud<PointInT>& input,
+                                                         const pcl::Indices& indices,
+                                                         const CloudProjection& projection,
                                                          PointCloudOut& output) const {
-  output.sensor_origin_ = input_->sensor_origin_;
-  output.sensor_orientation_ = input_->sensor_orientation_;
+  output.sensor_origin_ = input.sensor_origin_;
+  output.sensor_orientation_ = input.sensor_orientation_;
   std::atomic<bool> dense{true};
   parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
     PointOutT out;
@@ -161,7 +165,7 @@ void SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& 
     if (projection.isFinite(i)) {
       point = projection.point(i);
     } else {
-      const PointInT& in = (*input_)[static_cast<std::size_t>((*indices_)[i])];
+      const PointInT& in = input[static_cast<std::size_t>(indices[i])];
       point = CloudProjection::unknownPoint({in.x, in.y, in.z});
     }
     setCurvature(point, out);

@@ -28,9 +28,10 @@ bool SLIMFit<PointT>::fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* 
   surfels = pcl::PointCloud<PointSLIM>();
   if (metadata) *metadata = SurfaceMetadata();
   SLIMSurface surface;
+  const auto input = input_;
   if (!fit(surface)) return false;
   const SurfaceMetadata made = toPCL(surface, surfels);
-  surfels.header = input_->header;
+  surfels.header = input->header;
   if (metadata) *metadata = made;
   return true;
 }

@@ -71,7 +71,7 @@ SLIMSmootherBase::Target SLIMSmootherBase::targetOf(void* cloud) {
 
 template <typename PointT>
 void SLIMSmootherBase::smoothInput(const CloudInput<PointT>& input,
-                                   const typename pcl::PointCloud<PointT>::ConstPtr& distinct,
+                                   typename pcl::PointCloud<PointT>::ConstPtr distinct,
                                    void* output, Target (*target_of)(void*), bool same) {
   corresponding_ = std::make_shared<pcl::PointIndices>();
   error_ = checkSmoother(distinct != nullptr);

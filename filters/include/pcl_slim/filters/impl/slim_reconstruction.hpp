@@ -3,6 +3,7 @@
 
 #include <pcl/console/print.h>
 
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/filters/cloud_description.h"
@@ -41,10 +42,14 @@ void SLIMReconstruction<PointT>::reconstruct(pcl::PolygonMesh& output) {
 template <typename PointT>
 void SLIMReconstruction<PointT>::reconstruct(PointCloud& points,
                                              std::vector<pcl::Vertices>& polygons) {
-  points = PointCloud();
   polygons.clear();
-  if (input_) points.header = input_->header;
-  performReconstruction(points, polygons);
+  const auto input = input_;
+  const bool own = input.get() == &points;  // stays until it is read, and where there is no mesh
+  if (!own) points = PointCloud();
+  PointCloud made;
+  if (input) made.header = points.header = input->header;
+  performReconstruction(made, polygons);
+  if (!own || !error_) points = std::move(made);
 }
 
 template <typename PointT>
