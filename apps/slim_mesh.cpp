@@ -83,10 +83,14 @@ struct Input {
 };
 
 Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
+  std::optional<PointFile> surfels;
   if (!holdsSurface(s.files.input, nullptr)) {
     Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
     if (!loaded) return loaded.error();
-    if (!holdsSurface(s.files.input, &*loaded)) input.scan = std::move(*loaded);
+    if (holdsSurface(s.files.input, &*loaded))
+      surfels = std::move(loaded->file);
+    else
+      input.scan = std::move(*loaded);
   }
   if (input.scan) {
     if (s.color == true && colorsOf(*input.scan).bgr == nullptr) {
@@ -100,7 +104,8 @@ Error loadInput(const Settings& s, Console& console, Report& report, Input& inpu
     return {ErrorCode::kBadArgument,
             "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
   }
-  if (Error error = loadGiven(s.files.input, console, report, input.surface.emplace()))
+  if (Error error = loadGiven(s.files.input, console, report, input.surface.emplace(),
+                              surfels ? &*surfels : nullptr))
     return error;
   if (s.color != true || input.surface->hasColors()) return {};
   return {ErrorCode::kBadArgument,

@@ -94,10 +94,13 @@ PointFile toFile(const SurfaceSamples& samples, int threads) {
   return file;
 }
 
-/** Reads the surface that the input is; borders as the options want them. */
-Error readSurface(const Settings& s, bool hole_given, Console& console, Report& report,
-                  SLIMSurface& surface) {
-  if (Error error = loadGiven(s.files.input, console, report, surface)) return error;
+/** Reads the surface that the input is; borders as the options want them. \param[in] surfels its
+ * points, where they are read already */
+Error readSurface(const Settings& s, const CloudFile* surfels, bool hole_given, Console& console,
+                  Report& report, SLIMSurface& surface) {
+  if (Error error = loadGiven(s.files.input, console, report, surface,
+                              surfels != nullptr ? &surfels->file : nullptr))
+    return error;
   if (hole_given) surface.closeHoles(s.job.params.hole_size);
   if (!s.job.params.trim) surface.dropTrimMaps();
   return {};
@@ -130,8 +133,9 @@ Exit run(const OptionTable& options, Settings& s) {
   if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   SLIMSurface surface;
-  if (Error error = holdsSurface(s.files.input, scan ? &*scan : nullptr)
-                        ? readSurface(s, options.given("hole"), console, report, surface)
+  const CloudFile* const points = scan ? &*scan : nullptr;
+  if (Error error = holdsSurface(s.files.input, points)
+                        ? readSurface(s, points, options.given("hole"), console, report, surface)
                         : fitScan(s.job, *scan, console, report, surface))
     return error;
 

@@ -132,17 +132,18 @@ Exit run(const OptionTable& options, Settings& s) {
     if (Error error = checkWritable(s.screenshot)) return error;
   }
   Console console(s.quiet);
-  const Result<bool> is_model = holdsModel(s.input);
-  if (!is_model) return Exit::usage(is_model.error());
-  if (!*is_model) {
+  Result<ModelFile> file = readModelFile(s.input);
+  if (!file) return Exit::usage(file.error());
+  if (!holdsModel(*file)) {
     Report report(options, s.input, s.fit.params.threads);
-    const Result<CloudFile> cloud = loadScan(s.input, s.fit, console, report);
+    const Result<CloudFile> cloud =
+        loadScan(s.input, s.fit, console, report, std::get_if<PointFile>(&*file));
     if (!cloud) return Exit::usage(cloud.error());
     if (Error error = checkDisplay()) return error;
     return showScan(s, *cloud, console, report);
   }
   console.begin("Loading " + s.input);
-  Result<Model> model = loadModel(s.input);
+  Result<Model> model = modelOf(std::move(*file), s.input);
   if (!model) return Exit::usage(console.failed(model.error()));
   console.done(model->describe());
   const Result<BoundingSpheres> seen = s.viewer.region.within(model->spheres());

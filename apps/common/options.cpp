@@ -402,8 +402,19 @@ std::optional<int> OptionTable::parse(int argc, const char* const* argv) {
   }
   const std::string mistake = parseArguments(argc, argv);
   if (mistake.empty()) return std::nullopt;
-  std::fprintf(stderr, "%s: %s\n", program_.c_str(), mistake.c_str());
+  std::fprintf(stderr, "%s: %s\n", program_.c_str(), printable(mistake).c_str());
   return kExitUsage;
+}
+
+std::string printable(std::string text) {
+  const auto at = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    // U+0080 to U+009F are control characters, too: 0xc2 and a byte below 0xa0.
+    const bool wide = at(i) == 0xc2 && i + 1 < text.size() && at(i + 1) >= 0x80 && at(i + 1) < 0xa0;
+    if (wide) text.erase(i, 1);
+    if (wide || at(i) < ' ' || at(i) == 0x7f) text[i] = '?';
+  }
+  return text;
 }
 
 }  // namespace pcl_slim

@@ -163,4 +163,7 @@ inline bool parseNumberList(const std::string& text, std::vector<double>& values
   }
 }
 
+/** \brief Text for a terminal: control characters, which names of files may have, become '?'. */
+std::string printable(std::string text);
+
 }  // namespace pcl_slim

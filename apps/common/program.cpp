@@ -29,7 +29,7 @@ Console::~Console() {
 
 void Console::begin(const std::string& what) {
   stage_ = Stopwatch();
-  line_ = "> " + what + " ";
+  line_ = "> " + printable(what) + " ";
   if (quiet_) return;
   std::fputs(line_.c_str(), stdout);
   std::fflush(stdout);
@@ -51,7 +51,7 @@ static std::string durationText(double seconds) {
 void Console::done(double seconds, const std::string& detail) {
   if (quiet_) return;
   clearBar();
-  std::printf("[done, %s : %s]\n", durationText(seconds).c_str(), detail.c_str());
+  std::printf("[done, %s : %s]\n", durationText(seconds).c_str(), printable(detail).c_str());
   std::fflush(stdout);
 }
 
@@ -64,12 +64,12 @@ Error Console::failed(const Error& error) {
 }
 
 void Console::note(const std::string& text) {
-  if (!quiet_) std::printf("%s\n", text.c_str());
+  if (!quiet_) std::printf("%s\n", printable(text).c_str());
 }
 
 void Console::warn(const std::string& text) {
   std::fflush(stdout);
-  std::fprintf(stderr, "warning: %s\n", text.c_str());
+  std::fprintf(stderr, "warning: %s\n", printable(text).c_str());
 }
 
 void Console::showBar(float fraction, const char* stage) {

@@ -196,7 +196,7 @@ int runProgram(OptionTable& options, int argc, const char* const* argv, const st
   if (exit.status == kExitDone) return kExitDone;
   const int signal = g_signal.load();
   if (exit.status != kExitInterrupted && signal != 0) exit = stopped();
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), exit.message.c_str());
+  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), printable(exit.message).c_str());
   return exit.status == kExitInterrupted && signal != 0 ? 128 + signal : exit.status;
 }
 

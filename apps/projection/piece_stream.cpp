@@ -82,6 +82,7 @@ Error PieceStream::openRows(Console& console) {
 
 Error PieceStream::open(Console& console) {
   if (!job_.surface.empty()) {
+    if (isStream(job_.files.input) && !job_.tiles.asked) return {};
     const Result<RecordLayout> layout = recordLayoutOf(job_.files.input, false);
     if (!layout) return job_.tiles.asked ? layout.error() : Error();
     const bool wanted = job_.tiles.asked || isRawPointFile(job_.files.input) ||

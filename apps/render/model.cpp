@@ -10,6 +10,7 @@
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/surface/surface_io.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim {
@@ -20,8 +21,8 @@ bool hasModelFields(const PointFile& file) {
   return findField(file.cloud, "radius") >= 0 || findField(file.cloud, "c0") >= 0;
 }
 
-bool isPointFile(const std::string& path) {
-  return !checkPointFileExtension(path);
+Error named(const std::string& path, const Error& error) {
+  return {error.code, "'" + path + "': " + error.message};
 }
 
 /** \brief A model from a point file's fields; errors do not name the file yet. */
@@ -65,18 +66,30 @@ BoundingSpheres Model::spheres() const {
   return is_splats ? spheresOf(splats) : spheresOf(surface);
 }
 
-Result<bool> holdsModel(const std::string& path) {
-  if (!isPointFile(path)) return true;
-  const Result<PointFile> file = loadPointFile(path);
-  if (!file) return file.error();
-  return hasModelFields(*file);
+Result<ModelFile> readModelFile(const std::string& path) {
+  if (checkPointFileExtension(path)) {
+    Result<SLIMSurface> surface = loadSurface(path);
+    if (!surface) return surface.error();
+    return ModelFile(std::move(*surface));
+  }
+  const Result<std::vector<unsigned char>> bytes = readFile(path);
+  if (!bytes) return bytes.error();
+  if (lowerExtension(path).empty() && isSlim(bytes->data(), bytes->size())) {
+    Result<SLIMSurface> surface = decodeSlim(bytes->data(), bytes->size());
+    if (!surface) return named(path, surface.error());
+    return ModelFile(std::move(*surface));
+  }
+  Result<PointFile> points = parsePointFile(path, *bytes);
+  if (!points) return points.error();
+  return ModelFile(std::move(*points));
+}
+
+bool holdsModel(const ModelFile& file) {
+  const auto* points = std::get_if<PointFile>(&file);
+  return points == nullptr || hasModelFields(*points);
 }
 
 namespace {
-
-Error named(const std::string& path, const Error& error) {
-  return {error.code, "'" + path + "': " + error.message};
-}
 
 /** The vertices, with normals of the file or of its faces, colours and curvatures where there are
  * any, and the faces cut to triangles from their first corners. */
@@ -132,27 +145,28 @@ Error checkMesh(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<Model> loadModel(const std::string& path) {
-  if (!isPointFile(path)) {
-    Result<SLIMSurface> surface = loadSurface(path);
-    if (!surface) return surface.error();
-    Model model;
+Result<Model> modelOf(ModelFile file, const std::string& path) {
+  Model model;
+  if (auto* surface = std::get_if<SLIMSurface>(&file)) {
     model.surface = std::move(*surface);
     return model;
   }
-  Result<PointFile> file = loadPointFile(path);
-  if (!file) return file.error();
-  if (!hasModelFields(*file) && file->numFaces() > 0) {
-    const Result<CloudFile> cloud = asCloudFile(std::move(*file), path);
+  auto& points = std::get<PointFile>(file);
+  if (!hasModelFields(points) && points.numFaces() > 0) {
+    const Result<CloudFile> cloud = asCloudFile(std::move(points), path);
     if (!cloud) return cloud.error();
-    Model model;
     model.is_mesh = true;
     model.mesh = meshFrom(*cloud);
     if (Error error = checkMesh(model.mesh)) return named(path, error);
     return model;
   }
-  Result<Model> model = modelFrom(*file);
-  return model ? std::move(model) : named(path, model.error());
+  Result<Model> made = modelFrom(points);
+  return made ? std::move(made) : named(path, made.error());
+}
+
+Result<Model> loadModel(const std::string& path) {
+  Result<ModelFile> file = readModelFile(path);
+  return file ? modelOf(std::move(*file), path) : file.error();
 }
 
 namespace {

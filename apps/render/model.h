@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
 
 #include "common/program.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/disc_rasterizer.h"
@@ -39,11 +41,20 @@ struct Model {
   BoundingSpheres spheres() const;
 };
 
-/** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
-Result<bool> holdsModel(const std::string& path);
+/** \brief What a file contains: a surface's .slim or .pvtp, or points. */
+using ModelFile = std::variant<SLIMSurface, PointFile>;
 
-/** \brief Loads a surface (.pcd .ply .vtp .slim), splats (.pcd .ply .vtp) or, of any other file of
- * points with faces, a mesh; the fields show which. */
+/** \brief Reads a file, once. */
+Result<ModelFile> readModelFile(const std::string& path);
+
+/** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
+bool holdsModel(const ModelFile& file);
+
+/** \brief The surface (.pcd .ply .vtp .slim), the splats (.pcd .ply .vtp) or, of any other points
+ * with faces, the mesh that a file contains; the fields show which. \param[in] path for errors */
+Result<Model> modelOf(ModelFile file, const std::string& path);
+
+/** \brief Both. */
 Result<Model> loadModel(const std::string& path);
 
 /** \brief Adds what a surface is and what its pictures cost and left out to a report. */

@@ -316,7 +316,7 @@ void storeReal(unsigned char* at, bool is_double, double value) {
     std::memcpy(at, &value, sizeof(value));
     return;
   }
-  const auto narrow = static_cast<float>(value);
+  const float narrow = finiteFloat(value);
   std::memcpy(at, &narrow, sizeof(narrow));
 }
 

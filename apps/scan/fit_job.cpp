@@ -175,8 +175,8 @@ std::vector<std::string> frameFiles(const FitJob& job) {
 }
 
 /** Loads a scan with its further frames. */
-Result<CloudFile> loadFrames(const std::string& path, const FitJob& job) {
-  Result<PointFile> file = loadPointFile(path);
+Result<CloudFile> loadFrames(const std::string& path, const FitJob& job, PointFile* read) {
+  Result<PointFile> file = read != nullptr ? std::move(*read) : loadPointFile(path);
   if (!file) return file.error();
   std::vector<std::uint32_t> numbers;
   if (!job.frames.empty()) {
@@ -235,9 +235,9 @@ std::vector<std::string> filesRead(const FitJob& job, std::vector<std::string> o
 }
 
 Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& console,
-                           Report& report) {
+                           Report& report, PointFile* read) {
   console.begin("Loading " + path);
-  Result<CloudFile> cloud = loadFrames(path, job);
+  Result<CloudFile> cloud = loadFrames(path, job, read);
   if (!cloud) return console.failed(cloud.error());
   report.set("points", cloud->size());
   report.time("load", console.seconds());
@@ -268,9 +268,12 @@ bool holdsSurface(const std::string& path, const CloudFile* cloud) {
          (cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0);
 }
 
-Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface) {
+Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface,
+                const PointFile* read) {
   console.begin("Loading " + path);
-  Result<SLIMSurface> loaded = loadSurface(path);
+  Result<SLIMSurface> loaded = read != nullptr ? surfaceFrom(*read) : loadSurface(path);
+  if (!loaded && read != nullptr)
+    return console.failed({loaded.error().code, "'" + path + "': " + loaded.error().message});
   if (!loaded) return console.failed(loaded.error());
   surface = std::move(*loaded);
   report.time("load_surface", console.seconds());

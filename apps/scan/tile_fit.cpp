@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -98,6 +99,12 @@ Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tile
   const Error impossible = checkJob(job, tiles);
   const bool needed = tiles.asked || raw || !tiles.plan.empty() || tiles.ranks != nullptr;
   if (impossible) return needed ? impossible : Error();
+  if (isStream(path)) {
+    if (!needed) return {};
+    return {ErrorCode::kBadArgument, "'" + path +
+                                         "' is a pipe, which can be read once only, and tiles are "
+                                         "read from several times: write it to a file"};
+  }
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
   // Loading the scan reports any other defect than a form that cannot be streamed.
   if (!layout) return needed ? layout.error() : Error();
@@ -369,6 +376,8 @@ Error fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tile
   TileRun run(job, tiles, console, writer, made);
   if (Error error = run.run(source, fit)) return console.failed(error);
   const StreamStatistics& statistics = fit.statistics();
+  if (statistics.remade)
+    console.warn("what '" + tiles.plan + "' keeps is damaged: points and plan were made again");
   report.time("fit", console.seconds());
   reportFit(pointsOf(fit), made.surface, statistics.fit, report);
   const auto& levels = statistics.fit.leaves_per_level;
