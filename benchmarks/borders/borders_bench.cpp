@@ -3,6 +3,7 @@
 // the points without anything drawn, on scenes of known outline the rim itself; and what trim maps
 // cost.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -19,6 +20,8 @@
 using namespace pcl_slim;
 
 namespace {
+
+constexpr double kFloating = 3.0;  ///< spacings, and deviations of the noise
 
 struct Settings {
   std::string input, vectors = "best";
@@ -64,15 +67,22 @@ void printCost(const Settings& s, const SLIMSurface& surface, const FitStatistic
       static_cast<double>(surface.trim_maps.size()) / n);
 }
 
-/** \brief Overshoot and loss, drawn without trim maps and with them. */
-void printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet& feet) {
+/** \brief Overshoot and loss, drawn without trim maps and with them, and what floats: farther from
+ * every point than three spacings and three standard deviations of the noise. */
+void printBorders(const Settings& s, const SLIMSurface& surface, const PointStore& store,
+                  int threads) {
+  const double sigma =
+      std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal * surface.info.scale;
+  const borders::Feet feet = borders::feetOf(store, surface, threads);
+  const borders::Feet points = borders::pointsOf(store, threads);
+  const borders::FootSearch near(feet), floats(points, kFloating, kFloating * sigma);
   borders::DrawnArea areas[2];
   double lost[2];
   for (int trim = 0; trim < 2; ++trim) {
     RenderParams params;
     params.threads = s.fit.threads;
     params.trim = trim == 1;
-    areas[trim] = borders::drawnArea(surface, feet, params, s.size, s.reference);
+    areas[trim] = borders::drawnArea(surface, near, floats, params, {s.size, s.reference});
     lost[trim] = borders::lostShare(surface, feet, params);
   }
   std::printf(
@@ -80,6 +90,11 @@ void printBorders(const Settings& s, const SLIMSurface& surface, const borders::
       "s\n",
       100.0 * areas[0].far / areas[0].total, 100.0 * areas[1].far / areas[1].total, 100.0 * lost[0],
       100.0 * lost[1], areas[1].total / areas[0].total, areas[0].seconds, areas[1].seconds);
+  const borders::Floating &before = areas[0].floating, &after = areas[1].floating;
+  std::printf(
+      "  floating: %zu -> %zu pieces, %zu -> %zu pixels, widest %.1f -> %.1f spacings (%.3g)\n",
+      before.pieces, after.pieces, before.pixels, after.pixels,
+      before.widest / floats.usualSpacing(), after.widest / floats.usualSpacing(), after.widest);
 }
 
 int run(const Settings& s, const CloudView& view, const borders::RimScene* scene) {
@@ -94,7 +109,7 @@ int run(const Settings& s, const CloudView& view, const borders::RimScene* scene
   }
   printCost(s, surface, stats, cost);
   if (!s.draw) return kExitDone;
-  printBorders(s, surface, borders::feetOf(*store, surface, stats.threads));
+  printBorders(s, surface, *store, stats.threads);
   for (int trim = 0; scene != nullptr && trim < 2; ++trim) {
     RenderParams params;
     params.threads = s.fit.threads;

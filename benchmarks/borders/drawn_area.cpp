@@ -14,7 +14,6 @@
 namespace pcl_slim::borders {
 namespace {
 
-constexpr double kFar = 1.5;             ///< spacings
 constexpr double kOfEighth = 0.627;      ///< spacing over the distance to the 8th neighbour
 constexpr double kLeastCosine = 0.05;    ///< pixels seen more obliquely show no more than at this
 constexpr std::uint32_t kNeighbors = 9;  ///< with the point itself
@@ -48,6 +47,8 @@ class ViewPixels {
     return along(info_.origin, info_.scale, {p[0], p[1], p[2]});
   }
 
+  double width() const { return std::sqrt(area_); }
+
   double area(std::size_t i) const {
     const auto& n = buffer_.normal[i];
     return area_ / std::max(std::abs(dot(to_eye_, {n[0], n[1], n[2]})), kLeastCosine);
@@ -61,9 +62,10 @@ class ViewPixels {
 };
 
 /** \brief Adds one view's pixels. */
-void addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& buffer, int threads,
-             DrawnArea& area) {
+void addView(const ViewPixels& pixels, const FootSearch& search, const FootSearch& floats,
+             const GBuffer& buffer, int threads, DrawnArea& area) {
   std::vector<DrawnArea> rows(static_cast<std::size_t>(buffer.height));
+  std::vector<std::uint8_t> floating(rows.size() * static_cast<std::size_t>(buffer.width));
   std::vector<std::vector<std::uint32_t>> scratch(static_cast<std::size_t>(threads));
   parallelFor(rows.size(), threads, 8, [&](std::size_t y, int thread) {
     for (int x = 0; x < buffer.width; ++x) {
@@ -71,20 +73,23 @@ void addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& 
       if (!buffer.covered(i)) continue;
       const double shown = pixels.area(i);
       rows[y].total += shown;
-      const bool near = search.isNear(pixels.world(i), scratch[static_cast<std::size_t>(thread)]);
-      if (!near) rows[y].far += shown;
+      auto& blocks = scratch[static_cast<std::size_t>(thread)];
+      const Vector3 place = pixels.world(i);
+      if (search.isNear(place, blocks)) continue;
+      rows[y].far += shown;
+      floating[i] = !floats.isNear(place, blocks);
     }
   });
   for (const DrawnArea& row : rows) {
     area.total += row.total;
     area.far += row.far;
   }
+  addPieces(floating, buffer.width, pixels.width(), area.floating);
 }
 
-/** \brief Spacings and normals of feet that are stored. */
+/** \brief Spacings of feet that are stored. */
 void measureSpacings(int threads, Feet& feet) {
   feet.spacing.resize(feet.store.size());
-  for (std::size_t i = 0; i < feet.store.size(); ++i) feet.normal.push_back(feet.store.normal(i));
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
                                        NeighborSearch(feet.store));
   parallelFor(feet.store.size(), threads, 1024, [&](std::size_t i, int thread) {
@@ -97,10 +102,14 @@ void measureSpacings(int threads, Feet& feet) {
 
 }  // namespace
 
-FootSearch::FootSearch(const Feet& feet) : feet_(feet) {
+FootSearch::FootSearch(const Feet& feet, double spacings, double extra)
+    : feet_(feet), spacings_(spacings), extra_(extra / feet.store.scale()) {
   for (const float s : feet.spacing) widest_ = std::max(widest_, s);
-  std::vector<double> spacings(feet.spacing.begin(), feet.spacing.end());
-  usual_ = static_cast<float>(kFar * measure::median(std::move(spacings)));
+  widest_ = static_cast<float>(spacings_ * widest_ + extra_);
+  const double usual =
+      measure::median(std::vector<double>(feet.spacing.begin(), feet.spacing.end()));
+  usual_spacing_ = usual * feet.store.scale();
+  usual_ = static_cast<float>(spacings_ * usual + extra_);
 }
 
 bool FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const {
@@ -110,12 +119,11 @@ bool FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks
   // Most places have a foot close by: look far only where there is none.
   for (float reach = usual_;; reach *= 4.0f) {
     blocks.clear();
-    feet_.store.tree().blocksInBall(at, std::min(reach, static_cast<float>(kFar) * widest_),
-                                    blocks);
+    feet_.store.tree().blocksInBall(at, std::min(reach, widest_), blocks);
     for (const std::uint32_t b : blocks) {
       if (nearBlock(place, b)) return true;
     }
-    if (reach >= kFar * widest_) return false;
+    if (reach >= widest_) return false;
   }
 }
 
@@ -125,7 +133,7 @@ bool FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t blo
   for (std::size_t i = first; i < end; ++i) {
     const auto p = feet_.store.position(i);
     const double x = p[0] - place[0], y = p[1] - place[1], z = p[2] - place[2];
-    const double limit = kFar * feet_.spacing[i];
+    const double limit = spacings_ * feet_.spacing[i] + extra_;
     if (x * x + y * y + z * z <= limit * limit) return true;
   }
   return false;
@@ -153,27 +161,68 @@ Feet feetOf(const PointStore& points, const SLIMSurface& surface, int threads) {
   Feet feet;
   if (!store) return feet;
   feet.store = std::move(*store);
+  for (std::size_t i = 0; i < feet.store.size(); ++i) feet.normal.push_back(feet.store.normal(i));
   measureSpacings(threads, feet);
   return feet;
 }
 
-DrawnArea drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params,
-                    int size, bool reference) {
+Feet pointsOf(const PointStore& points, int threads) {
+  Feet feet;
+  feet.store = points;
+  measureSpacings(threads, feet);
+  return feet;
+}
+
+DrawnArea drawnArea(const SLIMSurface& surface, const FootSearch& feet, const FootSearch& floats,
+                    const RenderParams& params, const AreaViews& views) {
   DrawnArea area;
   RenderParams own = params;
   own.columns = kPositionColumn;
   SurfaceRenderer renderer(surface, params.threads);
   lab::ReferenceRenderer exact(surface);
   GBuffer buffer;
-  const FootSearch search(feet);
-  for (const Camera& camera : axisViews(surface, size)) {
+  for (const Camera& camera : axisViews(surface, views.size)) {
     const double start = measure::wallSeconds();
-    if (reference ? exact.render(camera, own, buffer) : renderer.render(camera, own, buffer))
+    if (views.reference ? exact.render(camera, own, buffer) : renderer.render(camera, own, buffer))
       return {};
     area.seconds += measure::wallSeconds() - start;
-    addView({surface, camera, buffer}, search, buffer, resolveThreads(params.threads), area);
+    addView({surface, camera, buffer}, feet, floats, buffer, resolveThreads(params.threads), area);
   }
   return area;
+}
+
+void addPieces(std::vector<std::uint8_t>& marks, int width, double pixel, Floating& floating) {
+  constexpr std::size_t kSmallest = 4;
+  const int height = static_cast<int>(marks.size()) / width;
+  std::vector<int> open;
+  for (std::size_t first = 0; first < marks.size(); ++first) {
+    if (marks[first] == 0) continue;
+    marks[first] = 0;
+    open.assign(1, static_cast<int>(first));
+    int low[2] = {width, height}, high[2] = {0, 0};
+    std::size_t count = 0;
+    while (!open.empty()) {
+      const int at[2] = {open.back() % width, open.back() / width};
+      open.pop_back();
+      ++count;
+      for (int a = 0; a < 2; ++a) {
+        low[a] = std::min(low[a], at[a]);
+        high[a] = std::max(high[a], at[a]);
+      }
+      for (int y = std::max(0, at[1] - 1); y <= std::min(height - 1, at[1] + 1); ++y) {
+        for (int x = std::max(0, at[0] - 1); x <= std::min(width - 1, at[0] + 1); ++x) {
+          auto& mark = marks[static_cast<std::size_t>(y * width + x)];
+          if (mark != 0) open.push_back(y * width + x);
+          mark = 0;
+        }
+      }
+    }
+    floating.pixels += count;
+    if (count < kSmallest) continue;
+    ++floating.pieces;
+    const int side = std::max(high[0] - low[0], high[1] - low[1]) + 1;
+    floating.widest = std::max(floating.widest, pixel * side);
+  }
 }
 
 }  // namespace pcl_slim::borders
