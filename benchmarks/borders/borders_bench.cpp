@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "borders/drawn_area.h"
+#include "borders/open_rows.h"
 #include "borders/rims.h"
 #include "common/options.h"
 #include "common/program.h"
@@ -29,6 +30,8 @@ struct Settings {
   bool reference = false, draw = true, use_normals = true;
   int size = 1000, repeat = 1;
   double noise = 0.02;
+  std::string noises = "0,0.1,0.3,1";
+  borders::OpenSettings open;
 };
 
 /** \brief CPU seconds of a fit without trim maps and with them, the least of several. */
@@ -132,13 +135,28 @@ int runScene(const Settings& s) {
   return run(s, view, &scene);
 }
 
+int runOpen(Settings& s) {
+  s.open.fit = s.fit;
+  s.open.mesh.threads = s.fit.threads;
+  Error error = measure::parseLists({{"noises", &s.noises, 0, 10, false, &s.open.noise}});
+  if (!error) error = borders::printOpenRows(s.open);
+  if (!error) return kExitDone;
+  std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
+  return error.code == ErrorCode::kBadArgument ? kExitUsage : kExitFailed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Settings s;
   s.fit.threads = 1;
   OptionTable table("borders_bench", "", "Borders as drawn beside borders of the data.");
-  table.positional("SCAN|half|hole|strip|grid", &s.input, "a .pcd or .ply, or a scene by name");
+  table.positional("SCAN|half|hole|strip|grid|open", &s.input,
+                   "a .pcd or .ply, a scene by name, or open: meshes and pictures of -scenes");
+  table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
+  table.text("noises", &s.noises, "LIST", "with open: of the points, in spacings");
+  table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
+  table.toggle("picture", &s.open.picture, "with open: measure pictures, too");
   table.number("hole", &s.fit.hole_size, 2, 50, "diameter of the smallest hole kept, in spacings");
   table.number("noise", &s.noise, 0, 10, "of a scene's points, in spacings");
   table.integer("seed", &s.fit.seed, 0, 1000000, "of a scene, and of the fit");
@@ -154,6 +172,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
     return kExitUsage;
   }
+  if (s.input == "open") return runOpen(s);
   if (s.input.find('.') == std::string::npos) return runScene(s);
   const Result<CloudFile> cloud = loadCloudFile(s.input);
   if (!cloud) {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "borders/open_scenes.h"
+#include "pcl_slim/mesh/triangle_mesh.h"
+#include "pcl_slim/render/ray_tracer.h"
+
+namespace pcl_slim::borders {
+
+/** \brief What a mesh or a picture covers beside what it should; areas in squared spacings. */
+struct Coverage {
+  double beyond = 0.0;      ///< covered where there is no surface
+  double missing = 0.0;     ///< surface that is not covered
+  double truth = 0.0;       ///< surface
+  std::size_t kept = 0;     ///< holes of 6 spacings and more that are open by half at least
+  std::size_t to_keep = 0;  ///< such holes
+};
+
+/** \brief A sheet's chart in cells, each a quarter of a spacing wide, with a margin around. */
+class CoverageGrid {
+ public:
+  explicit CoverageGrid(const Sheet& sheet);
+
+  /** \brief Marks the cells whose middles are in a triangle of the chart.
+   * \return the triangle's area where it is outside of the grid, as a share of it: 0 or 1. */
+  double cover(std::array<Flat, 3> corners);
+
+  /** \brief Marks the cells, step x step at a time, at whose middles rays along the normals meet
+   * the surface within a distance. */
+  void cover(const RayTracer& tracer, const OpenScene& scene, double reach);
+
+  void clear();
+  void addTo(Coverage& sum) const;
+
+ private:
+  static constexpr double kCell = 0.25, kMargin = 8.0;
+  static constexpr int kStep = 2;                                  ///< cells a ray
+  enum : std::int32_t { kOutside = -2, kAny = -1, kSurface = 0 };  ///< above: hole
+
+  Flat middle(int column, int row) const;
+  std::int64_t cellAt(int column, int row) const;
+  void label();
+  void labelHole(std::int32_t number);
+
+  const Sheet& sheet_;
+  Flat low_{};
+  int columns_ = 0, rows_ = 0;
+  double cell_u_ = kCell;             ///< cells fit a period
+  std::vector<std::int32_t> labels_;  ///< of cells
+  std::vector<std::uint8_t> covered_;
+};
+
+/** \brief The charts of a scene in cells: what is covered of them. */
+class SceneCoverage {
+ public:
+  explicit SceneCoverage(const OpenScene& scene);
+
+  /** \brief By a mesh. What is farther than 1.5 spacings and two deviations of the noise from the
+   * surface is beyond it. */
+  Coverage ofMesh(const TriangleMesh& mesh);
+
+  /** \brief In pictures, seen along the normals. */
+  Coverage ofPicture(const RayTracer& tracer);
+
+ private:
+  double reach() const { return 1.5 + 2.0 * scene_.sigma; }
+  Coverage sum() const;
+
+  const OpenScene& scene_;
+  std::vector<CoverageGrid> grids_;
+};
+
+/** \brief Calls use(corners) for the parts of a triangle, none with an edge longer than a spacing
+ * and a half. */
+template <typename Use>
+void forParts(const std::array<Vector3, 3>& corners, const Use& use) {
+  constexpr double kLongest = 1.5;
+  std::size_t longest = 0;
+  double most = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double edge = length(subtract(corners[(k + 1) % 3], corners[k]));
+    if (edge <= most) continue;
+    most = edge;
+    longest = k;
+  }
+  if (most <= kLongest) {
+    use(corners);
+    return;
+  }
+  const Vector3 &a = corners[longest], &b = corners[(longest + 1) % 3];
+  const Vector3& c = corners[(longest + 2) % 3];
+  const Vector3 middle = along(scaled(a, 0.5), 0.5, b);
+  forParts({a, middle, c}, use);
+  forParts({middle, b, c}, use);
+}
+
+/** \brief Calls use(corners) for the parts of all triangles of a mesh. */
+template <typename Use>
+void forParts(const TriangleMesh& mesh, const Use& use) {
+  for (const auto& t : mesh.triangles) {
+    forParts({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, use);
+  }
+}
+
+}  // namespace pcl_slim::borders

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/mesh/mesh_extraction.h"
+
+namespace pcl_slim::borders {
+
+struct OpenSettings {
+  FitParams fit;
+  MeshParams mesh;
+  std::string scenes = "all";
+  std::string normals = "01";  ///< 0: without, 1: with, 01: both
+  std::vector<double> noise;   ///< spacings
+  bool picture = true;         ///< measure pictures, too
+};
+
+/** \brief One row a scene, noise level and choice of normals, with what misses a target marked; and
+ * how many rows meet every target. \return an error for a scene's unknown name. */
+Error printOpenRows(const OpenSettings& settings);
+
+}  // namespace pcl_slim::borders
