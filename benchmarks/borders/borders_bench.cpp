@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "borders/closed_rows.h"
+#include "borders/cost_rows.h"
 #include "borders/drawn_area.h"
 #include "borders/open_rows.h"
 #include "borders/rims.h"
@@ -30,8 +32,9 @@ struct Settings {
   bool reference = false, draw = true, use_normals = true;
   int size = 1000, repeat = 1;
   double noise = 0.02;
-  std::string noises = "0,0.1,0.3,1";
+  std::string noises = "0,0.1,0.3,1", files;
   borders::OpenSettings open;
+  borders::ClosedSettings closed;
 };
 
 /** \brief CPU seconds of a fit without trim maps and with them, the least of several. */
@@ -135,14 +138,56 @@ int runScene(const Settings& s) {
   return run(s, view, &scene);
 }
 
-int runOpen(Settings& s) {
-  s.open.fit = s.fit;
-  s.open.mesh.threads = s.fit.threads;
-  Error error = measure::parseLists({{"noises", &s.noises, 0, 10, false, &s.open.noise}});
-  if (!error) error = borders::printOpenRows(s.open);
+/** \brief The lists of rows. */
+Error printRows(Settings& s) {
+  MeshParams mesh;
+  mesh.threads = s.fit.threads;
+  if (s.input == "cost") {
+    borders::CostSettings cost;
+    cost.fit = s.fit;
+    cost.repeat = s.repeat;
+    cost.files = s.files;
+    cost.use_normals = s.use_normals;
+    return borders::printCostRows(cost);
+  }
+  std::vector<double> noise;
+  if (Error error = measure::parseLists({{"noises", &s.noises, 0, 10, false, &noise}}))
+    return error;
+  if (s.input == "open") {
+    s.open.fit = s.fit;
+    s.open.mesh = mesh;
+    s.open.noise = noise;
+    return borders::printOpenRows(s.open);
+  }
+  s.closed.fit = s.fit;
+  s.closed.mesh = mesh;
+  s.closed.noise = noise;
+  s.closed.files = s.files;
+  s.closed.use_normals = s.use_normals;
+  return borders::printClosedRows(s.closed);
+}
+
+int runRows(Settings& s) {
+  measure::keepFreedMemory();
+  const Error error = printRows(s);
   if (!error) return kExitDone;
   std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
   return error.code == ErrorCode::kBadArgument ? kExitUsage : kExitFailed;
+}
+
+void declareRows(OptionTable& table, Settings& s) {
+  table.text("noises", &s.noises, "LIST", "with open and closed: of the points, in spacings");
+  table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
+  table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
+  table.text("methods", &s.open.methods, "LIST",
+             "with open: slim, poisson (trimmed), front (CGAL's)");
+  table.text("write", &s.open.folder, "FOLDER",
+             "with open: write points with true normals, surfaces and meshes to it");
+  table.toggle("picture", &s.open.picture, "with open: measure pictures, too");
+  table.text("bodies", &s.closed.bodies, "LIST", "with closed");
+  table.text("spreads", &s.closed.spreads, "LIST", "with closed: random, blue, uneven, step");
+  table.text("files", &s.files, "LIST",
+             "with closed: scans in place of bodies; with cost: in addition");
 }
 
 }  // namespace
@@ -151,12 +196,10 @@ int main(int argc, char** argv) {
   Settings s;
   s.fit.threads = 1;
   OptionTable table("borders_bench", "", "Borders as drawn beside borders of the data.");
-  table.positional("SCAN|half|hole|strip|grid|open", &s.input,
-                   "a .pcd or .ply, a scene by name, or open: meshes and pictures of -scenes");
-  table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
-  table.text("noises", &s.noises, "LIST", "with open: of the points, in spacings");
-  table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
-  table.toggle("picture", &s.open.picture, "with open: measure pictures, too");
+  table.positional(
+      "SCAN|half|hole|strip|grid|open|closed|cost", &s.input,
+      "a .pcd or .ply; a scene by name; or a list of rows: open scenes, closed bodies, "
+      "cost of trim maps");
   table.number("hole", &s.fit.hole_size, 2, 50, "diameter of the smallest hole kept, in spacings");
   table.number("noise", &s.noise, 0, 10, "of a scene's points, in spacings");
   table.integer("seed", &s.fit.seed, 0, 1000000, "of a scene, and of the fit");
@@ -166,13 +209,14 @@ int main(int argc, char** argv) {
   table.toggle("draw", &s.draw, "measure what is drawn, not only the maps' cost");
   table.toggle("reference", &s.reference, "draw with the reference rasteriser");
   table.toggle("use_normals", &s.use_normals, "use the scan's own normals or faces");
+  declareRows(table, s);
   table.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = table.parse(argc, argv)) return *status;
   if (const Error error = measure::chooseVectors(s.vectors)) {
     std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
     return kExitUsage;
   }
-  if (s.input == "open") return runOpen(s);
+  if (s.input == "open" || s.input == "closed" || s.input == "cost") return runRows(s);
   if (s.input.find('.') == std::string::npos) return runScene(s);
   const Result<CloudFile> cloud = loadCloudFile(s.input);
   if (!cloud) {

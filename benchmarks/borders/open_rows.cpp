@@ -4,11 +4,17 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <random>
+#include <string>
 
 #include "borders/coverage.h"
+#include "borders/lists.h"
 #include "borders/mesh_shape.h"
 #include "borders/open_scenes.h"
+#include "borders/reconstructions.h"
+#include "pcl_slim/filters/io/mesh_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "support/lab/bench.h"
 
@@ -36,7 +42,7 @@ double strayShare(const RayTracer& tracer, const SLIMSurface& surface,
     ray.origin = along(ray.origin, -4.0 * surface.info.scale, normalized(ray.direction));
   }
   std::vector<WorldHit> hits;
-  if (tracer.cast(rays, VisibleSides::kBoth, hits, 1)) return 1.0;
+  if (tracer.cast(rays, VisibleSides::kAuto, hits, 1)) return 1.0;
   double met = 0.0, stray = 0.0;
   for (const WorldHit& hit : hits) {
     if (!hit.met()) continue;
@@ -65,50 +71,40 @@ class Misses {
 
 void printHead() {
   std::printf(
-      "%-18s %5s n %6s %5s | %6s %6s %6s %9s %9s %6s %5s %5s %6s %6s %6s | %6s %6s %6s %7s | "
+      "%-18s %-7s %5s n %6s %5s | %6s %6s %6s %9s %9s %6s %5s %5s %6s %6s %6s | %6s %6s %6s %7s | "
       "misses\n",
-      "scene", "noise", "points", "open", "tri.", "beyond", "miss", "kept", "loops", "border",
-      "comp.", "zero", "far", "far s2", "CPU s", "beyond", "miss", "kept", "stray %");
+      "scene", "method", "noise", "points", "open", "tri.", "beyond", "miss", "kept", "loops",
+      "border", "comp.", "zero", "far", "far s2", "CPU s", "beyond", "miss", "kept", "stray %");
 }
 
 class OpenRows {
  public:
   explicit OpenRows(const OpenSettings& settings) : s_(settings) {}
 
-  Error add(OpenScene scene, double noise, bool normals) {
+  Error add(OpenScene scene, double noise) {
     scene.sample(noise, s_.fit.seed);
-    const double start = measure::cpuSeconds();
-    const Result<PointStore> store = PointStore::build(scene.view(normals), s_.fit.threads);
-    if (!store) return store.error();
-    SLIMSurface surface;
-    FitStatistics fit;
-    if (Error error = fitSurface(*store, s_.fit, surface, &fit)) return error;
-    TriangleMesh mesh;
-    MeshStatistics statistics;
-    if (Error error = extractMesh(surface, s_.mesh, mesh, &statistics)) return error;
-    const double seconds = measure::cpuSeconds() - start;
-    std::printf("%-18s %5.2f %d %6zu %5llu | ", scene.name.c_str(), noise, normals ? 1 : 0,
-                scene.points.size(), static_cast<unsigned long long>(fit.open_leaves));
-    Misses misses;
     SceneCoverage coverage(scene);
     const rivals::PointTree tree(scene.points);
-    printMesh(scene, mesh, statistics, tree, coverage, seconds, misses);
-    good_meshes_ += misses.none() ? 1 : 0;
-    Misses of_picture;
-    if (s_.picture) printPicture(scene, surface, tree, coverage, of_picture);
-    good_pictures_ += of_picture.none() ? 1 : 0;
-    good_ += misses.none() && of_picture.none() ? 1 : 0;
-    ++rows_;
-    misses.add(of_picture);
-    std::printf("%s\n", misses.text());
-    std::fflush(stdout);
+    for (const std::string& method : wordsOf(s_.methods)) {
+      // Poisson needs normals, the advancing front has no use for them.
+      const std::string normals = method == "slim" ? s_.normals : method == "poisson" ? "1" : "0";
+      for (const char n : normals) {
+        const Row row{scene, tree, method, n == '1'};
+        if (Error error = addRow(row, coverage)) return error;
+      }
+    }
     return {};
   }
 
   void printSummary() const {
-    std::printf("%zu of %zu rows meet every target; meshes %zu", good_, rows_, good_meshes_);
-    if (s_.picture) std::printf(", pictures %zu", good_pictures_);
-    std::printf("\n");
+    for (const auto& [method, good] : good_) {
+      std::printf("%s: %zu of %zu rows meet every target of meshes", method.c_str(), good.meshes,
+                  good.rows);
+      if (s_.picture && method == "slim") {
+        std::printf(", %zu of pictures, %zu of both", good.pictures, good.both);
+      }
+      std::printf("\n");
+    }
   }
 
  private:
@@ -116,19 +112,93 @@ class OpenRows {
     return kFar * scene.widestSpacing() + kFar * scene.sigma;
   }
 
-  void printMesh(const OpenScene& scene, const TriangleMesh& mesh, const MeshStatistics& statistics,
-                 const rivals::PointTree& tree, SceneCoverage& coverage, double seconds,
-                 Misses& misses) {
+  /** \brief Rows that meet every target. */
+  struct Good {
+    std::size_t rows = 0, both = 0, meshes = 0, pictures = 0;
+  };
+
+  /** \brief What is measured. */
+  struct Row {
+    const OpenScene& scene;
+    const rivals::PointTree& tree;
+    std::string method;
+    bool normals;
+  };
+
+  /** \brief Makes a row's mesh, and the surface where there is one. */
+  Error make(const Row& row, SLIMSurface& surface, FitStatistics& fit, TriangleMesh& mesh) const {
+    if (row.method == "poisson") return trimmedPoisson(row.scene, mesh);
+    if (row.method == "front") return advancingFront(row.scene, mesh);
+    if (row.method != "slim") {
+      return {ErrorCode::kBadArgument,
+              "no method is called '" + row.method + "'; take slim, poisson or front"};
+    }
+    const Result<PointStore> store = PointStore::build(row.scene.view(row.normals), s_.fit.threads);
+    if (!store) return store.error();
+    if (Error error = fitSurface(*store, s_.fit, surface, &fit)) return error;
+    return extractMesh(surface, s_.mesh, mesh);
+  }
+
+  Error addRow(const Row& row, SceneCoverage& coverage) {
+    SLIMSurface surface;
+    FitStatistics fit;
+    TriangleMesh mesh;
+    const double start = measure::cpuSeconds();
+    if (Error error = make(row, surface, fit, mesh)) return error;
+    const double seconds = measure::cpuSeconds() - start;
+    if (Error error = write(row, surface, mesh)) return error;
+    std::printf("%-18s %-7s %5.2f %d %6zu %5llu | ", row.scene.name.c_str(), row.method.c_str(),
+                row.scene.sigma, row.normals ? 1 : 0, row.scene.points.size(),
+                static_cast<unsigned long long>(fit.open_leaves));
+    Misses misses, of_picture;
+    printMesh(row, mesh, coverage, seconds, misses);
+    const bool picture = s_.picture && surface.size() > 0;
+    if (picture) printPicture(row, surface, coverage, of_picture);
+    Good& good = good_[row.method];
+    ++good.rows;
+    good.meshes += misses.none() ? 1 : 0;
+    good.pictures += of_picture.none() ? 1 : 0;
+    good.both += misses.none() && of_picture.none() ? 1 : 0;
+    misses.add(of_picture);
+    std::printf("%s\n", misses.text());
+    std::fflush(stdout);
+    return {};
+  }
+
+  /** \brief The row's points, mesh and surface as files. */
+  Error write(const Row& row, const SLIMSurface& surface, const TriangleMesh& mesh) const {
+    if (s_.folder.empty()) return {};
+    char level[32];
+    std::snprintf(level, sizeof level, "-%g-%d", row.scene.sigma, row.normals ? 1 : 0);
+    const std::string name = s_.folder + "/" + row.scene.name + level;
+    TriangleMesh points;
+    points.vertices = row.scene.points;
+    for (std::size_t i = 0; i < 3 * points.vertices.size(); i += 3) {
+      const float* n = row.scene.normals.data() + i;
+      points.normals.push_back({n[0], n[1], n[2]});
+    }
+    if (Error error = savePointFile(name + "-points.ply", toPointFile(points, {true, false})))
+      return error;
+    if (Error error =
+            savePointFile(name + "-" + row.method + ".ply", toPointFile(mesh, {true, false})))
+      return error;
+    return surface.size() == 0 ? Error() : saveSurface(name + ".slim", surface);
+  }
+
+  void printMesh(const Row& row, const TriangleMesh& mesh, SceneCoverage& coverage, double seconds,
+                 Misses& misses) const {
+    const OpenScene& scene = row.scene;
+    const MeshCensus census = censusOf(mesh);
     const double border = scene.borderLength();
     const Coverage c = coverage.ofMesh(mesh);
     const std::size_t loops = countLoops(mesh), flat = countFlatTriangles(mesh);
     const auto wanted = scene.loops();
-    const FarPlaces far = farPlaces(mesh, tree, scene.points, limit(scene));
+    const FarPlaces far = farPlaces(mesh, row.tree, scene.points, limit(scene));
     misses.check(c.beyond <= kMostAside * border, "beyond");
     misses.check(c.missing <= kMostAside * border, "missing");
     misses.check(c.kept == c.to_keep, "holes");
     misses.check(loops >= wanted[0] && loops <= wanted[1], "loops");
-    misses.check(statistics.census.components == scene.sheets.size(), "components");
+    misses.check(census.components == scene.sheets.size(), "components");
     misses.check(far.area == 0.0, "far");
     misses.check(flat == 0, "zero");
     const std::string kept = std::to_string(c.kept) + "/" + std::to_string(c.to_keep);
@@ -136,17 +206,18 @@ class OpenRows {
     if (wanted[1] > wanted[0]) found += "-" + std::to_string(wanted[1]);
     std::printf("%6zu %6.2f %6.2f %9s %9s %6llu %5llu %5zu %6.2f %6.1f %6.2f | ",
                 mesh.triangles.size(), c.beyond / border, c.missing / border, kept.c_str(),
-                found.c_str(), static_cast<unsigned long long>(statistics.census.border_edges),
-                static_cast<unsigned long long>(statistics.census.components), flat, far.farthest,
-                far.area, seconds);
+                found.c_str(), static_cast<unsigned long long>(census.border_edges),
+                static_cast<unsigned long long>(census.components), flat, far.farthest, far.area,
+                seconds);
   }
 
-  void printPicture(const OpenScene& scene, const SLIMSurface& surface,
-                    const rivals::PointTree& tree, SceneCoverage& coverage, Misses& misses) {
+  void printPicture(const Row& row, const SLIMSurface& surface, SceneCoverage& coverage,
+                    Misses& misses) const {
+    const OpenScene& scene = row.scene;
     const double border = scene.borderLength();
     const RayTracer tracer(surface, 1);
     const Coverage c = coverage.ofPicture(tracer);
-    const double stray = strayShare(tracer, surface, tree, scene.points, limit(scene));
+    const double stray = strayShare(tracer, surface, row.tree, scene.points, limit(scene));
     misses.check(c.beyond <= kMostAside * border, "p.beyond");
     misses.check(c.missing <= kMostAside * border, "p.missing");
     misses.check(c.kept == c.to_keep, "p.holes");
@@ -156,7 +227,7 @@ class OpenRows {
   }
 
   const OpenSettings& s_;
-  std::size_t rows_ = 0, good_ = 0, good_meshes_ = 0, good_pictures_ = 0;
+  std::map<std::string, Good> good_;  ///< by method
 };
 
 }  // namespace
@@ -173,9 +244,7 @@ Error printOpenRows(const OpenSettings& settings) {
   OpenRows rows(settings);
   for (const OpenScene& scene : scenes) {
     for (const double noise : settings.noise) {
-      for (const char normals : settings.normals) {
-        if (Error error = rows.add(scene, noise, normals == '1')) return error;
-      }
+      if (Error error = rows.add(scene, noise)) return error;
     }
   }
   rows.printSummary();

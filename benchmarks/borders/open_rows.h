@@ -14,13 +14,15 @@ struct OpenSettings {
   FitParams fit;
   MeshParams mesh;
   std::string scenes = "all";
-  std::string normals = "01";  ///< 0: without, 1: with, 01: both
-  std::vector<double> noise;   ///< spacings
-  bool picture = true;         ///< measure pictures, too
+  std::string normals = "01";    ///< 0: without, 1: with, 01: both
+  std::string methods = "slim";  ///< and poisson, front, separated by commas
+  std::vector<double> noise;     ///< spacings
+  std::string folder;            ///< for points, surfaces and meshes; empty: not written
+  bool picture = true;           ///< measure pictures, too
 };
 
 /** \brief One row a scene, noise level and choice of normals, with what misses a target marked; and
- * how many rows meet every target. \return an error for a scene's unknown name. */
+ * how many rows meet every target. \return an error for the unknown name of a scene or method. */
 Error printOpenRows(const OpenSettings& settings);
 
 }  // namespace pcl_slim::borders

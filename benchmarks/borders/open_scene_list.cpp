@@ -2,6 +2,7 @@
 // The scenes of known borders, by name.
 #include <cmath>
 
+#include "borders/lists.h"
 #include "borders/open_scenes.h"
 
 namespace pcl_slim::borders {
@@ -168,15 +169,12 @@ std::vector<OpenScene> openScenes(const std::string& words) {
   addTubes(list);
   if (words == "all") return list.scenes;
   std::vector<OpenScene> chosen;
-  for (std::size_t begin = 0; begin <= words.size();) {
-    const std::size_t end = std::min(words.find(',', begin), words.size());
-    const std::string word = words.substr(begin, end - begin);
+  for (const std::string& word : wordsOf(words)) {
     const std::size_t before = chosen.size();
     for (const OpenScene& scene : list.scenes) {
       if (scene.name.compare(0, word.size(), word) == 0) chosen.push_back(scene);
     }
     if (chosen.size() == before) return {};
-    begin = end + 1;
   }
   return chosen;
 }
