@@ -30,10 +30,6 @@ struct ShortEdges {
 
 }  // namespace
 
-bool hasFront() {
-  return true;
-}
-
 Error advancingFront(const OpenScene& scene, TriangleMesh& mesh) {
   constexpr double kLongest = 5.0;
   std::vector<Kernel::Point_3> points;

@@ -4,10 +4,6 @@
 
 namespace pcl_slim::borders {
 
-bool hasFront() {
-  return false;
-}
-
 Error advancingFront(const OpenScene&, TriangleMesh&) {
   return badInput("this build has no CGAL; install libcgal-dev");
 }

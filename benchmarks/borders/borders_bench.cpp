@@ -180,7 +180,7 @@ void declareRows(OptionTable& table, Settings& s) {
   table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
   table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
   table.text("methods", &s.open.methods, "LIST",
-             "with open: slim, poisson (trimmed), front (CGAL's)");
+             "with open: slim, truth (the instrument's error), poisson (trimmed), front (CGAL's)");
   table.text("write", &s.open.folder, "FOLDER",
              "with open: write points with true normals, surfaces and meshes to it");
   table.toggle("picture", &s.open.picture, "with open: measure pictures, too");

@@ -129,9 +129,13 @@ class OpenRows {
   Error make(const Row& row, SLIMSurface& surface, FitStatistics& fit, TriangleMesh& mesh) const {
     if (row.method == "poisson") return trimmedPoisson(row.scene, mesh);
     if (row.method == "front") return advancingFront(row.scene, mesh);
+    if (row.method == "truth") {
+      trueMesh(row.scene, mesh);
+      return {};
+    }
     if (row.method != "slim") {
       return {ErrorCode::kBadArgument,
-              "no method is called '" + row.method + "'; take slim, poisson or front"};
+              "no method is called '" + row.method + "'; take slim, truth, poisson or front"};
     }
     const Result<PointStore> store = PointStore::build(row.scene.view(row.normals), s_.fit.threads);
     if (!store) return store.error();

@@ -15,7 +15,7 @@ struct OpenSettings {
   MeshParams mesh;
   std::string scenes = "all";
   std::string normals = "01";    ///< 0: without, 1: with, 01: both
-  std::string methods = "slim";  ///< and poisson, front, separated by commas
+  std::string methods = "slim";  ///< and truth, poisson, front, separated by commas
   std::vector<double> noise;     ///< spacings
   std::string folder;            ///< for points, surfaces and meshes; empty: not written
   bool picture = true;           ///< measure pictures, too
