@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where drawn surfaces end beside where their data do: on scans the area drawn far from data and
-// the points without anything drawn, on scenes of known outline the rim itself; and what trim maps
-// cost.
+// Where drawn surfaces and meshes end beside where their data do: on scans the area far from data
+// and the points without anything drawn, on scenes of known outline the rim itself; and lists of
+// rows: open scenes, closed bodies, what trim maps cost.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "borders/closed_rows.h"
 #include "borders/cost_rows.h"
 #include "borders/drawn_area.h"
+#include "borders/mesh_parts.h"
+#include "borders/mesh_shape.h"
 #include "borders/open_rows.h"
 #include "borders/rims.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/mesh/mesh_extraction.h"
 #include "scan/cloud_file.h"
 #include "support/lab/bench.h"
 
@@ -29,8 +33,8 @@ constexpr double kFloating = 3.0;  ///< spacings, and deviations of the noise
 struct Settings {
   std::string input, vectors = "best";
   FitParams fit;
-  bool reference = false, draw = true, use_normals = true;
-  int size = 1000, repeat = 1;
+  bool reference = false, draw = true, mesh = true, use_normals = true;
+  int size = 1000, repeat = 3;
   double noise = 0.02;
   std::string noises = "0,0.1,0.3,1", files;
   borders::OpenSettings open;
@@ -73,23 +77,37 @@ void printCost(const Settings& s, const SLIMSurface& surface, const FitStatistic
       static_cast<double>(surface.trim_maps.size()) / n);
 }
 
-/** \brief Overshoot and loss, drawn without trim maps and with them, and what floats: farther from
- * every point than three spacings and three standard deviations of the noise. */
-void printBorders(const Settings& s, const SLIMSurface& surface, const PointStore& store,
-                  int threads) {
-  const double sigma =
-      std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal * surface.info.scale;
-  const borders::Feet feet = borders::feetOf(store, surface, threads);
-  const borders::Feet points = borders::pointsOf(store, threads);
-  const borders::FootSearch near(feet), floats(points, kFloating, kFloating * sigma);
+/** \brief What is near a scan. */
+class Near {
+ public:
+  Near(const SLIMSurface& surface, const PointStore& store, int threads)
+      : feet(borders::feetOf(store, surface, threads)),
+        points(borders::pointsOf(store, threads)),
+        near(feet),
+        floats(points, kFloating, kFloating * noiseOf(surface)) {}
+
+  borders::Feet feet, points;
+  borders::FootSearch near;    ///< 1.5 spacings of a foot
+  borders::FootSearch floats;  ///< three spacings of a point and three deviations of the noise
+
+ private:
+  static double noiseOf(const SLIMSurface& surface) {
+    return std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal *
+           surface.info.scale;
+  }
+};
+
+/** \brief Overshoot and loss, drawn without trim maps and with them, and what floats. */
+void printBorders(const Settings& s, const SLIMSurface& surface, const Near& near) {
   borders::DrawnArea areas[2];
   double lost[2];
   for (int trim = 0; trim < 2; ++trim) {
     RenderParams params;
     params.threads = s.fit.threads;
     params.trim = trim == 1;
-    areas[trim] = borders::drawnArea(surface, near, floats, params, {s.size, s.reference});
-    lost[trim] = borders::lostShare(surface, feet, params);
+    areas[trim] =
+        borders::drawnArea(surface, near.near, near.floats, params, {s.size, s.reference});
+    lost[trim] = borders::lostShare(surface, near.feet, params);
   }
   std::printf(
       "  overshoot %.3f -> %.3f %%, loss %.3f -> %.3f %%, area kept %.3f, six frames %.2f -> %.2f "
@@ -97,10 +115,53 @@ void printBorders(const Settings& s, const SLIMSurface& surface, const PointStor
       100.0 * areas[0].far / areas[0].total, 100.0 * areas[1].far / areas[1].total, 100.0 * lost[0],
       100.0 * lost[1], areas[1].total / areas[0].total, areas[0].seconds, areas[1].seconds);
   const borders::Floating &before = areas[0].floating, &after = areas[1].floating;
+  const double spacing = near.floats.usualSpacing();
   std::printf(
       "  floating: %zu -> %zu pieces, %zu -> %zu pixels, widest %.1f -> %.1f spacings (%.3g)\n",
-      before.pieces, after.pieces, before.pixels, after.pixels,
-      before.widest / floats.usualSpacing(), after.widest / floats.usualSpacing(), after.widest);
+      before.pieces, after.pieces, before.pixels, after.pixels, before.widest / spacing,
+      after.widest / spacing, after.widest);
+}
+
+/** \brief The mesh of a scan: what kind of surface, and how much of it is far from points. */
+Error printMesh(const Settings& s, const SLIMSurface& surface, const Near& near) {
+  MeshParams params;
+  params.threads = s.fit.threads;
+  TriangleMesh mesh;
+  MeshStatistics statistics;
+  const double start = measure::cpuSeconds();
+  if (Error error = extractMesh(surface, params, mesh, &statistics)) return error;
+  const double seconds = measure::cpuSeconds() - start;
+  double total = 0.0, far = 0.0, floats = 0.0;
+  std::vector<std::uint32_t> blocks;
+  borders::forParts(mesh, near.near.usualSpacing(), [&](const std::array<Vector3, 3>& part) {
+    const double area = borders::areaOf(part);
+    const Vector3 middle = borders::middleOf(part);
+    total += area;
+    if (near.near.isNear(middle, blocks)) return;
+    far += area;
+    floats += near.floats.isNear(middle, blocks) ? 0.0 : area;
+  });
+  const MeshCensus& c = statistics.census;
+  std::printf(
+      "  mesh: %llu triangles, %.2f s CPU, %llu components, %llu border edges, %zu loops, %llu "
+      "holes closed, %zu of zero area, overshoot %.3f %%, floating %.4f %%\n",
+      static_cast<unsigned long long>(c.triangles), seconds,
+      static_cast<unsigned long long>(c.components),
+      static_cast<unsigned long long>(c.border_edges), borders::countLoops(mesh),
+      static_cast<unsigned long long>(statistics.closed_holes), borders::countFlatTriangles(mesh),
+      100.0 * far / total, 100.0 * floats / total);
+  return {};
+}
+
+void printRims(const Settings& s, const SLIMSurface& surface, const borders::RimScene& scene) {
+  for (int trim = 0; trim < 2; ++trim) {
+    RenderParams params;
+    params.threads = s.fit.threads;
+    params.trim = trim == 1;
+    const borders::RimFigures f = borders::measureRims(scene, surface, params, s.reference);
+    std::printf("  rim %s: mean %+.2f, sd %.2f, max %.2f, jag %.2f spacings\n",
+                trim == 1 ? "trimmed" : "as balls end", f.mean, f.deviation, f.farthest, f.jag);
+  }
 }
 
 int run(const Settings& s, const CloudView& view, const borders::RimScene* scene) {
@@ -108,24 +169,19 @@ int run(const Settings& s, const CloudView& view, const borders::RimScene* scene
   SLIMSurface surface;
   FitStatistics stats;
   Cost cost;
-  const Error error = store ? fitBoth(s, *store, surface, stats, cost) : store.error();
-  if (error) {
-    std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
-    return kExitFailed;
+  Error error = store ? fitBoth(s, *store, surface, stats, cost) : store.error();
+  if (!error) {
+    printCost(s, surface, stats, cost);
+    const bool looks = s.draw || s.mesh;
+    const auto near = looks ? std::make_unique<Near>(surface, *store, stats.threads) : nullptr;
+    if (s.draw) printBorders(s, surface, *near);
+    if (s.draw && scene != nullptr) printRims(s, surface, *scene);
+    if (s.mesh) error = printMesh(s, surface, *near);
+    std::fflush(stdout);
   }
-  printCost(s, surface, stats, cost);
-  if (!s.draw) return kExitDone;
-  printBorders(s, surface, *store, stats.threads);
-  for (int trim = 0; scene != nullptr && trim < 2; ++trim) {
-    RenderParams params;
-    params.threads = s.fit.threads;
-    params.trim = trim == 1;
-    const borders::RimFigures f = borders::measureRims(*scene, surface, params, s.reference);
-    std::printf("  rim %s: mean %+.2f, sd %.2f, max %.2f, jag %.2f spacings\n",
-                trim == 1 ? "trimmed" : "as balls end", f.mean, f.deviation, f.farthest, f.jag);
-  }
-  std::fflush(stdout);
-  return kExitDone;
+  if (!error) return kExitDone;
+  std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
+  return kExitFailed;
 }
 
 int runScene(const Settings& s) {
@@ -205,8 +261,10 @@ int main(int argc, char** argv) {
   table.integer("seed", &s.fit.seed, 0, 1000000, "of a scene, and of the fit");
   table.integer("threads", &s.fit.threads, 1, 256, "threads");
   table.integer("size", &s.size, 16, 8192, "pixels a side of the views");
-  table.integer("repeat", &s.repeat, 1, 100, "fits, of which the fastest maps count");
+  table.integer("repeat", &s.repeat, 1, 100,
+                "fits with maps and without, of which the fastest count");
   table.toggle("draw", &s.draw, "measure what is drawn, not only the maps' cost");
+  table.toggle("mesh", &s.mesh, "measure the mesh of a scan");
   table.toggle("reference", &s.reference, "draw with the reference rasteriser");
   table.toggle("use_normals", &s.use_normals, "use the scan's own normals or faces");
   declareRows(table, s);

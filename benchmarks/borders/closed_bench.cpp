@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "borders/lists.h"
 #include "closed_bodies.h"
 #include "common/options.h"
 #include "common/program.h"
@@ -29,18 +30,6 @@ struct Settings {
   std::string vectors = "best";
   FitParams fit;
 };
-
-std::vector<std::string> wordsOf(const std::string& text) {
-  std::vector<std::string> words(1);
-  for (const char c : text) {
-    if (c == ',') {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  }
-  return words;
-}
 
 /** \brief Rays from all around through places of a surface's box. */
 std::vector<WorldRay> raysThrough(const SLIMSurface& surface, std::uint64_t seed) {
@@ -156,8 +145,8 @@ Error runGrid(const Settings& s, const std::vector<double>& counts,
   std::printf("%-10s %-7s %8s %7s %6s %5s %6s %5s %5s %5s %7s %6s %6s\n", "body", "spread",
               "points", "noise", "leaves", "open", "cand.", "lost", "sails", "left", "fit s",
               "us/pt", "%fit");
-  for (const std::string& body_name : wordsOf(s.bodies)) {
-    for (const std::string& spread_name : wordsOf(s.spreads)) {
+  for (const std::string& body_name : borders::wordsOf(s.bodies)) {
+    for (const std::string& spread_name : borders::wordsOf(s.spreads)) {
       measure::Body body;
       measure::Spread spread;
       if (!measure::parseBody(body_name, body) || !measure::parseSpread(spread_name, spread)) {

@@ -4,15 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "borders/mesh_parts.h"
+
 namespace pcl_slim::borders {
-namespace {
-
-double areaOf(const std::array<Vector3, 3>& t) {
-  return 0.5 * length(cross(subtract(t[1], t[0]), subtract(t[2], t[0])));
-}
-
-}  // namespace
-
 CoverageGrid::CoverageGrid(const Sheet& sheet) : sheet_(sheet), low_(sheet.low) {
   const double width = sheet.high[0] - sheet.low[0], height = sheet.high[1] - sheet.low[1];
   if (sheet.isBand()) {
@@ -177,11 +171,10 @@ Coverage SceneCoverage::sum() const {
 Coverage SceneCoverage::ofMesh(const TriangleMesh& mesh) {
   for (CoverageGrid& grid : grids_) grid.clear();
   double off = 0.0;
-  forParts(mesh, [&](const std::array<Vector3, 3>& part) {
+  forParts(mesh, kPart, [&](const std::array<Vector3, 3>& part) {
     std::array<Vector3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = scene_.toCharts(part[k]);
-    const Vector3 middle =
-        scaled(along(along(corners[0], 1.0, corners[1]), 1.0, corners[2]), 1.0 / 3.0);
+    const Vector3 middle = middleOf(corners);
     std::size_t sheet = 0;
     double height = 1e300;
     for (std::size_t s = 0; s < grids_.size(); ++s) {

@@ -66,43 +66,13 @@ class SceneCoverage {
   Coverage ofPicture(const RayTracer& tracer);
 
  private:
+  static constexpr double kPart = 1.5;  ///< longest edge of parts of triangles
+
   double reach() const { return 1.5 + 2.0 * scene_.sigma; }
   Coverage sum() const;
 
   const OpenScene& scene_;
   std::vector<CoverageGrid> grids_;
 };
-
-/** \brief Calls use(corners) for the parts of a triangle, none with an edge longer than a spacing
- * and a half. */
-template <typename Use>
-void forParts(const std::array<Vector3, 3>& corners, const Use& use) {
-  constexpr double kLongest = 1.5;
-  std::size_t longest = 0;
-  double most = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double edge = length(subtract(corners[(k + 1) % 3], corners[k]));
-    if (edge <= most) continue;
-    most = edge;
-    longest = k;
-  }
-  if (most <= kLongest) {
-    use(corners);
-    return;
-  }
-  const Vector3 &a = corners[longest], &b = corners[(longest + 1) % 3];
-  const Vector3& c = corners[(longest + 2) % 3];
-  const Vector3 middle = along(scaled(a, 0.5), 0.5, b);
-  forParts({a, middle, c}, use);
-  forParts({middle, b, c}, use);
-}
-
-/** \brief Calls use(corners) for the parts of all triangles of a mesh. */
-template <typename Use>
-void forParts(const TriangleMesh& mesh, const Use& use) {
-  for (const auto& t : mesh.triangles) {
-    forParts({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, use);
-  }
-}
 
 }  // namespace pcl_slim::borders

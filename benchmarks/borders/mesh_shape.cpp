@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "borders/coverage.h"
+#include "borders/mesh_parts.h"
 
 namespace pcl_slim::borders {
 namespace {
@@ -91,13 +91,11 @@ std::size_t countFlatTriangles(const TriangleMesh& mesh) {
 FarPlaces farPlaces(const TriangleMesh& mesh, const rivals::PointTree& tree,
                     const std::vector<Vector3>& points, double limit) {
   FarPlaces far;
-  forParts(mesh, [&](const std::array<Vector3, 3>& t) {
-    const Vector3 middle = scaled(along(along(t[0], 1.0, t[1]), 1.0, t[2]), 1.0 / 3.0);
+  forParts(mesh, 1.5, [&](const std::array<Vector3, 3>& part) {
+    const Vector3 middle = middleOf(part);
     const double distance = length(subtract(middle, points[tree.nearest(middle, 1).front()]));
     far.farthest = std::max(far.farthest, distance);
-    if (distance > limit) {
-      far.area += 0.5 * length(cross(subtract(t[1], t[0]), subtract(t[2], t[0])));
-    }
+    if (distance > limit) far.area += areaOf(part);
   });
   return far;
 }

@@ -71,10 +71,11 @@ class Misses {
 
 void printHead() {
   std::printf(
-      "%-18s %-7s %5s n %6s %5s | %6s %6s %6s %9s %9s %6s %5s %5s %6s %6s %6s | %6s %6s %6s %7s | "
-      "misses\n",
-      "scene", "method", "noise", "points", "open", "tri.", "beyond", "miss", "kept", "loops",
-      "border", "comp.", "zero", "far", "far s2", "CPU s", "beyond", "miss", "kept", "stray %");
+      "%-18s %-7s %5s n %6s %6s %5s | %6s %6s %6s %9s %9s %6s %6s %5s %5s %6s %6s | %6s %6s %6s "
+      "%7s | misses\n",
+      "scene", "method", "noise", "points", "CPU s", "open", "tri.", "beyond", "miss", "kept",
+      "loops", "closed", "border", "comp.", "zero", "far", "far s2", "beyond", "miss", "kept",
+      "stray %");
 }
 
 class OpenRows {
@@ -126,7 +127,8 @@ class OpenRows {
   };
 
   /** \brief Makes a row's mesh, and the surface where there is one. */
-  Error make(const Row& row, SLIMSurface& surface, FitStatistics& fit, TriangleMesh& mesh) const {
+  Error make(const Row& row, SLIMSurface& surface, FitStatistics& fit, TriangleMesh& mesh,
+             MeshStatistics& statistics) const {
     if (row.method == "poisson") return trimmedPoisson(row.scene, mesh);
     if (row.method == "front") return advancingFront(row.scene, mesh);
     if (row.method == "truth") {
@@ -140,22 +142,23 @@ class OpenRows {
     const Result<PointStore> store = PointStore::build(row.scene.view(row.normals), s_.fit.threads);
     if (!store) return store.error();
     if (Error error = fitSurface(*store, s_.fit, surface, &fit)) return error;
-    return extractMesh(surface, s_.mesh, mesh);
+    return extractMesh(surface, s_.mesh, mesh, &statistics);
   }
 
   Error addRow(const Row& row, SceneCoverage& coverage) {
     SLIMSurface surface;
     FitStatistics fit;
     TriangleMesh mesh;
+    MeshStatistics statistics;
     const double start = measure::cpuSeconds();
-    if (Error error = make(row, surface, fit, mesh)) return error;
+    if (Error error = make(row, surface, fit, mesh, statistics)) return error;
     const double seconds = measure::cpuSeconds() - start;
     if (Error error = write(row, surface, mesh)) return error;
-    std::printf("%-18s %-7s %5.2f %d %6zu %5llu | ", row.scene.name.c_str(), row.method.c_str(),
-                row.scene.sigma, row.normals ? 1 : 0, row.scene.points.size(),
-                static_cast<unsigned long long>(fit.open_leaves));
+    std::printf("%-18s %-7s %5.2f %d %6zu %6.2f %5llu | ", row.scene.name.c_str(),
+                row.method.c_str(), row.scene.sigma, row.normals ? 1 : 0, row.scene.points.size(),
+                seconds, static_cast<unsigned long long>(fit.open_leaves));
     Misses misses, of_picture;
-    printMesh(row, mesh, coverage, seconds, misses);
+    printMesh(row, mesh, statistics, coverage, misses);
     const bool picture = s_.picture && surface.size() > 0;
     if (picture) printPicture(row, surface, coverage, of_picture);
     Good& good = good_[row.method];
@@ -189,8 +192,8 @@ class OpenRows {
     return surface.size() == 0 ? Error() : saveSurface(name + ".slim", surface);
   }
 
-  void printMesh(const Row& row, const TriangleMesh& mesh, SceneCoverage& coverage, double seconds,
-                 Misses& misses) const {
+  void printMesh(const Row& row, const TriangleMesh& mesh, const MeshStatistics& statistics,
+                 SceneCoverage& coverage, Misses& misses) const {
     const OpenScene& scene = row.scene;
     const MeshCensus census = censusOf(mesh);
     const double border = scene.borderLength();
@@ -208,11 +211,11 @@ class OpenRows {
     const std::string kept = std::to_string(c.kept) + "/" + std::to_string(c.to_keep);
     std::string found = std::to_string(loops) + "/" + std::to_string(wanted[0]);
     if (wanted[1] > wanted[0]) found += "-" + std::to_string(wanted[1]);
-    std::printf("%6zu %6.2f %6.2f %9s %9s %6llu %5llu %5zu %6.2f %6.1f %6.2f | ",
+    std::printf("%6zu %6.2f %6.2f %9s %9s %6llu %6llu %5llu %5zu %6.2f %6.1f | ",
                 mesh.triangles.size(), c.beyond / border, c.missing / border, kept.c_str(),
-                found.c_str(), static_cast<unsigned long long>(census.border_edges),
-                static_cast<unsigned long long>(census.components), flat, far.farthest, far.area,
-                seconds);
+                found.c_str(), static_cast<unsigned long long>(statistics.closed_holes),
+                static_cast<unsigned long long>(census.border_edges),
+                static_cast<unsigned long long>(census.components), flat, far.farthest, far.area);
   }
 
   void printPicture(const Row& row, const SLIMSurface& surface, SceneCoverage& coverage,

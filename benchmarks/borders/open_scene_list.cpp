@@ -95,6 +95,8 @@ void addPlates(List& list) {
   list.addPlates("bent", cylinderChart(62.0), {solid, least, sieve, sixty});
   list.add("turned-0x0", {plate(planeChart(), 0, 0, 150)}).turned = 0.7;
   list.add("turned-144x8", {plate(planeChart(), 12, 8, 16)}).turned = 0.7;
+  list.add("turned2-144x8", {plate(planeChart(), 12, 8, 16)}).turned = 1.9;
+  list.add("turned2-36x12", {plate(planeChart(), 6, 12, 24)}).turned = 1.9;
   list.add("grid-0x0", {plate(planeChart(), 0, 0, 150)}).sampling = Sampling::kJittered;
   list.add("grid-144x8", {plate(planeChart(), 12, 8, 16)}).sampling = Sampling::kJittered;
 }

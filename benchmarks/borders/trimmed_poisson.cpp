@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "borders/mesh_parts.h"
 #include "borders/reconstructions.h"
 #include "reconstruction/rivals.h"
 #include "rivals/point_tree.h"
@@ -26,9 +27,8 @@ Error trimmedPoisson(const OpenScene& scene, TriangleMesh& mesh) {
   mesh = whole;
   mesh.triangles.clear();
   for (const auto& t : whole.triangles) {
-    const Vector3 middle = scaled(
-        along(along(whole.vertices[t[0]], 1.0, whole.vertices[t[1]]), 1.0, whole.vertices[t[2]]),
-        1.0 / 3.0);
+    const Vector3 middle =
+        middleOf({whole.vertices[t[0]], whole.vertices[t[1]], whole.vertices[t[2]]});
     const Vector3& next = scene.points[tree.nearest(middle, 1).front()];
     if (length(subtract(next, middle)) <= kTrim) mesh.triangles.push_back(t);
   }
