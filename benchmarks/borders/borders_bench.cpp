@@ -36,7 +36,7 @@ struct Settings {
   bool reference = false, draw = true, mesh = true, use_normals = true;
   int size = 1000, repeat = 3;
   double noise = 0.02;
-  std::string noises = "0,0.1,0.3,1", files;
+  std::string noises, files;
   borders::OpenSettings open;
   borders::ClosedSettings closed;
 };
@@ -206,6 +206,7 @@ Error printRows(Settings& s) {
     cost.use_normals = s.use_normals;
     return borders::printCostRows(cost);
   }
+  if (s.noises.empty()) s.noises = s.input == "open" ? "0,0.1,0.3,1" : "0.03,0.1,0.3,1";
   std::vector<double> noise;
   if (Error error = measure::parseLists({{"noises", &s.noises, 0, 10, false, &noise}}))
     return error;
@@ -232,11 +233,15 @@ int runRows(Settings& s) {
 }
 
 void declareRows(OptionTable& table, Settings& s) {
-  table.text("noises", &s.noises, "LIST", "with open and closed: of the points, in spacings");
+  table.text(
+      "noises", &s.noises, "LIST",
+      "with open and closed: of the points, in spacings; 0 or .03, .1, .3 and 1 if not given");
   table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
   table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
   table.text("methods", &s.open.methods, "LIST",
              "with open: slim, truth (the instrument's error), poisson (trimmed), front (CGAL's)");
+  table.number("poisson_trim", &s.open.poisson_trim, 0.5, 100,
+               "with open: spacings from the points beyond which Poisson's mesh is cut");
   table.text("write", &s.open.folder, "FOLDER",
              "with open: write points with true normals, surfaces and meshes to it");
   table.toggle("picture", &s.open.picture, "with open: measure pictures, too");

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <random>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "borders/lists.h"
 #include "borders/mesh_shape.h"
 #include "borders/open_scenes.h"
+#include "borders/open_summary.h"
 #include "borders/reconstructions.h"
 #include "pcl_slim/filters/io/mesh_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
@@ -97,26 +97,12 @@ class OpenRows {
     return {};
   }
 
-  void printSummary() const {
-    for (const auto& [method, good] : good_) {
-      std::printf("%s: %zu of %zu rows meet every target of meshes", method.c_str(), good.meshes,
-                  good.rows);
-      if (s_.picture && method == "slim") {
-        std::printf(", %zu of pictures, %zu of both", good.pictures, good.both);
-      }
-      std::printf("\n");
-    }
-  }
+  void printSummary() const { summary_.print(); }
 
  private:
   static double limit(const OpenScene& scene) {
     return kFar * scene.widestSpacing() + kFar * scene.sigma;
   }
-
-  /** \brief Rows that meet every target. */
-  struct Good {
-    std::size_t rows = 0, both = 0, meshes = 0, pictures = 0;
-  };
 
   /** \brief What is measured. */
   struct Row {
@@ -129,7 +115,7 @@ class OpenRows {
   /** \brief Makes a row's mesh, and the surface where there is one. */
   Error make(const Row& row, SLIMSurface& surface, FitStatistics& fit, TriangleMesh& mesh,
              MeshStatistics& statistics) const {
-    if (row.method == "poisson") return trimmedPoisson(row.scene, mesh);
+    if (row.method == "poisson") return trimmedPoisson(row.scene, s_.poisson_trim, mesh);
     if (row.method == "front") return advancingFront(row.scene, mesh);
     if (row.method == "truth") {
       trueMesh(row.scene, mesh);
@@ -158,14 +144,13 @@ class OpenRows {
                 row.method.c_str(), row.scene.sigma, row.normals ? 1 : 0, row.scene.points.size(),
                 seconds, static_cast<unsigned long long>(fit.open_leaves));
     Misses misses, of_picture;
-    printMesh(row, mesh, statistics, coverage, misses);
-    const bool picture = s_.picture && surface.size() > 0;
-    if (picture) printPicture(row, surface, coverage, of_picture);
-    Good& good = good_[row.method];
-    ++good.rows;
-    good.meshes += misses.none() ? 1 : 0;
-    good.pictures += of_picture.none() ? 1 : 0;
-    good.both += misses.none() && of_picture.none() ? 1 : 0;
+    RowOutcome outcome;
+    printMesh(row, mesh, statistics, coverage, misses, outcome);
+    outcome.has_picture = s_.picture && surface.size() > 0;
+    if (outcome.has_picture) printPicture(row, surface, coverage, of_picture, outcome);
+    outcome.mesh = misses.none();
+    outcome.picture = of_picture.none();
+    summary_.add(row.method, row.scene.name, row.scene.sigma, outcome);
     misses.add(of_picture);
     std::printf("%s\n", misses.text());
     std::fflush(stdout);
@@ -193,7 +178,7 @@ class OpenRows {
   }
 
   void printMesh(const Row& row, const TriangleMesh& mesh, const MeshStatistics& statistics,
-                 SceneCoverage& coverage, Misses& misses) const {
+                 SceneCoverage& coverage, Misses& misses, RowOutcome& outcome) const {
     const OpenScene& scene = row.scene;
     const MeshCensus census = censusOf(mesh);
     const double border = scene.borderLength();
@@ -201,10 +186,15 @@ class OpenRows {
     const std::size_t loops = countLoops(mesh), flat = countFlatTriangles(mesh);
     const auto wanted = scene.loops();
     const FarPlaces far = farPlaces(mesh, row.tree, scene.points, limit(scene));
-    misses.check(c.beyond <= kMostAside * border, "beyond");
-    misses.check(c.missing <= kMostAside * border, "missing");
+    outcome.beyond = c.beyond / border;
+    outcome.missing = c.missing / border;
+    outcome.to_keep = c.to_keep;
+    outcome.kept = c.kept;
+    outcome.loops = loops >= wanted[0] && loops <= wanted[1];
+    misses.check(outcome.beyond <= kMostAside, "beyond");
+    misses.check(outcome.missing <= kMostAside, "missing");
     misses.check(c.kept == c.to_keep, "holes");
-    misses.check(loops >= wanted[0] && loops <= wanted[1], "loops");
+    misses.check(outcome.loops, "loops");
     misses.check(census.components == scene.sheets.size(), "components");
     misses.check(far.area == 0.0, "far");
     misses.check(flat == 0, "zero");
@@ -212,29 +202,32 @@ class OpenRows {
     std::string found = std::to_string(loops) + "/" + std::to_string(wanted[0]);
     if (wanted[1] > wanted[0]) found += "-" + std::to_string(wanted[1]);
     std::printf("%6zu %6.2f %6.2f %9s %9s %6llu %6llu %5llu %5zu %6.2f %6.1f | ",
-                mesh.triangles.size(), c.beyond / border, c.missing / border, kept.c_str(),
-                found.c_str(), static_cast<unsigned long long>(statistics.closed_holes),
+                mesh.triangles.size(), outcome.beyond, outcome.missing, kept.c_str(), found.c_str(),
+                static_cast<unsigned long long>(statistics.closed_holes),
                 static_cast<unsigned long long>(census.border_edges),
                 static_cast<unsigned long long>(census.components), flat, far.farthest, far.area);
   }
 
   void printPicture(const Row& row, const SLIMSurface& surface, SceneCoverage& coverage,
-                    Misses& misses) const {
+                    Misses& misses, RowOutcome& outcome) const {
     const OpenScene& scene = row.scene;
     const double border = scene.borderLength();
     const RayTracer tracer(surface, 1);
     const Coverage c = coverage.ofPicture(tracer);
     const double stray = strayShare(tracer, surface, row.tree, scene.points, limit(scene));
-    misses.check(c.beyond <= kMostAside * border, "p.beyond");
-    misses.check(c.missing <= kMostAside * border, "p.missing");
+    outcome.seen_beyond = c.beyond / border;
+    outcome.unseen = c.missing / border;
+    outcome.open = c.kept;
+    misses.check(outcome.seen_beyond <= kMostAside, "p.beyond");
+    misses.check(outcome.unseen <= kMostAside, "p.missing");
     misses.check(c.kept == c.to_keep, "p.holes");
     misses.check(stray == 0.0, "p.stray");
-    std::printf("%6.2f %6.2f %6zu %7.3f | ", c.beyond / border, c.missing / border, c.kept,
+    std::printf("%6.2f %6.2f %6zu %7.3f | ", outcome.seen_beyond, outcome.unseen, c.kept,
                 100.0 * stray);
   }
 
   const OpenSettings& s_;
-  std::map<std::string, Good> good_;  ///< by method
+  OpenSummary summary_;
 };
 
 }  // namespace

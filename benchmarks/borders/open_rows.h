@@ -18,6 +18,7 @@ struct OpenSettings {
   std::string methods = "slim";  ///< and truth, poisson, front, separated by commas
   std::vector<double> noise;     ///< spacings
   std::string folder;            ///< for points, surfaces and meshes; empty: not written
+  double poisson_trim = 2.0;     ///< spacings from the points beyond which Poisson's mesh is cut
   bool picture = true;           ///< measure pictures, too
 };
 

@@ -13,8 +13,8 @@ namespace pcl_slim::borders {
 void trueMesh(const OpenScene& scene, TriangleMesh& mesh);
 
 /** \brief pcl::Poisson of the points with their true normals, its cells no wider than a spacing;
- * without the triangles whose middles are farther than 2 spacings from every point. */
-Error trimmedPoisson(const OpenScene& scene, TriangleMesh& mesh);
+ * without the triangles whose middles are farther than trim spacings from every point. */
+Error trimmedPoisson(const OpenScene& scene, double trim, TriangleMesh& mesh);
 
 /** \brief CGAL's advancing front, without triangles whose longest edge exceeds 5 spacings. */
 Error advancingFront(const OpenScene& scene, TriangleMesh& mesh);

@@ -8,8 +8,7 @@
 
 namespace pcl_slim::borders {
 
-Error trimmedPoisson(const OpenScene& scene, TriangleMesh& mesh) {
-  constexpr double kTrim = 2.0;     ///< spacings
+Error trimmedPoisson(const OpenScene& scene, double trim, TriangleMesh& mesh) {
   constexpr double kWidened = 1.1;  ///< the octree's box over that of the points
   measure::Scene input;
   input.normals = scene.normals;
@@ -30,7 +29,7 @@ Error trimmedPoisson(const OpenScene& scene, TriangleMesh& mesh) {
     const Vector3 middle =
         middleOf({whole.vertices[t[0]], whole.vertices[t[1]], whole.vertices[t[2]]});
     const Vector3& next = scene.points[tree.nearest(middle, 1).front()];
-    if (length(subtract(next, middle)) <= kTrim) mesh.triangles.push_back(t);
+    if (length(subtract(next, middle)) <= trim) mesh.triangles.push_back(t);
   }
   return {};
 }
