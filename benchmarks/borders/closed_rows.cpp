@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "borders/closed_bodies.h"
 #include "borders/lists.h"
@@ -32,8 +33,8 @@ class ClosedRows {
  public:
   explicit ClosedRows(const ClosedSettings& settings) : s_(settings) {}
 
-  /** \brief The row's name has been printed. */
-  Error add(const CloudView& view, std::uint64_t seed) {
+  /** \brief The row's name has been printed. \param[in] group what it is summed up with */
+  Error add(const CloudView& view, std::uint64_t seed, const std::string& group) {
     const Result<PointStore> store = PointStore::build(view, s_.fit.threads);
     if (!store) return store.error();
     FitParams params = s_.fit;
@@ -55,11 +56,15 @@ class ClosedRows {
         static_cast<unsigned long long>(c.triangles), static_cast<unsigned long long>(c.components),
         static_cast<unsigned long long>(c.border_edges), countLoops(mesh), flat, good ? "ok" : "-");
     std::fflush(stdout);
-    ++rows_;
-    good_ += good ? 1 : 0;
-    closed_ += closed ? 1 : 0;
-    whole_ += open_leaves ? 0 : 1;
-    one_ += c.components == 1 ? 1 : 0;
+    for (const std::string& name : {group, std::string("all")}) {
+      Sum& sum = groups_[name];
+      ++sum.rows;
+      sum.good += good ? 1 : 0;
+      sum.whole += open_leaves ? 0 : 1;
+      sum.closed += closed ? 1 : 0;
+      sum.one += c.components == 1 ? 1 : 0;
+      sum.sound += flat == 0 ? 1 : 0;
+    }
     return {};
   }
 
@@ -68,16 +73,24 @@ class ClosedRows {
                 "leaves", "open", "tri.", "comp.", "border", "loops", "zero");
   }
 
+  /** \brief As rows of a table of markdown. */
   void printSummary() const {
     std::printf(
-        "%zu of %zu rows meet every target; without open leaf %zu, without border edge %zu, of one "
-        "component %zu\n",
-        good_, rows_, whole_, closed_, one_);
+        "\n| rows | number | good | without open leaf | without border edge | of one component | "
+        "without triangle of zero area |\n|---|---|---|---|---|---|---|\n");
+    for (const auto& [name, sum] : groups_) {
+      std::printf("| %s | %zu | %zu | %zu | %zu | %zu | %zu |\n", name.c_str(), sum.rows, sum.good,
+                  sum.whole, sum.closed, sum.one, sum.sound);
+    }
   }
 
  private:
+  struct Sum {
+    std::size_t rows = 0, good = 0, whole = 0, closed = 0, one = 0, sound = 0;
+  };
+
   const ClosedSettings& s_;
-  std::size_t rows_ = 0, good_ = 0, closed_ = 0, whole_ = 0, one_ = 0;
+  std::map<std::string, Sum> groups_;
 };
 
 Error addBodies(const ClosedSettings& s, ClosedRows& rows) {
@@ -95,12 +108,16 @@ Error addBodies(const ClosedSettings& s, ClosedRows& rows) {
                 "no spread is called '" + spread_name + "'; take random, blue, uneven or step"};
       }
       for (const double noise : s.noise) {
+        char level[32];
+        std::snprintf(level, sizeof level, ", noise %g", noise);
+        const std::string group = spread_name + level;
         for (int seed = 1; seed <= s.seeds; ++seed) {
           const auto number = static_cast<std::uint64_t>(seed);
           const measure::Scene scene =
               measure::makeBody(body, spread, s.points, noise * spacing, number);
           std::printf("%-14s %-8s %6.2f %3d ", body_name.c_str(), spread_name.c_str(), noise, seed);
-          if (Error error = rows.add(measure::viewOf(scene, nullptr, false), number)) return error;
+          if (Error error = rows.add(measure::viewOf(scene, nullptr, false), number, group))
+            return error;
         }
       }
     }
@@ -113,7 +130,7 @@ Error addFiles(const ClosedSettings& s, ClosedRows& rows) {
     const Result<CloudFile> cloud = loadCloudFile(file);
     if (!cloud) return cloud.error();
     std::printf("%-34s ", file.substr(file.find_last_of('/') + 1).c_str());
-    if (Error error = rows.add(cloud->view(s.use_normals), s.fit.seed)) return error;
+    if (Error error = rows.add(cloud->view(s.use_normals), s.fit.seed, "files")) return error;
   }
   return {};
 }

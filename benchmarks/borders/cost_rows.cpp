@@ -43,8 +43,8 @@ Error addRow(const CostSettings& s, const std::string& name, const CloudView& vi
     }
     shares.push_back(100.0 * (seconds[1] / seconds[0] - 1.0));
   }
-  std::printf("%-30s %8llu %7llu %7llu %8llu %8.3f %8.3f %7.3f %7.1f %7.1f\n", name.c_str(),
-              static_cast<unsigned long long>(statistics.points),
+  std::printf("| %s | %llu | %llu | %llu | %llu | %.3f | %.3f | %.3f | %.1f | %.1f |\n",
+              name.c_str(), static_cast<unsigned long long>(statistics.points),
               static_cast<unsigned long long>(statistics.leaves),
               static_cast<unsigned long long>(statistics.open_leaves),
               static_cast<unsigned long long>(statistics.trim_candidates), least[0], least[1],
@@ -57,8 +57,10 @@ Error addRow(const CostSettings& s, const std::string& name, const CloudView& vi
 }  // namespace
 
 Error printCostRows(const CostSettings& settings) {
-  std::printf("%-30s %8s %7s %7s %8s %8s %8s %7s %7s %7s\n", "scene", "points", "leaves", "open",
-              "cand.", "fit s", "trimmed", "us/pt", "% least", "% pairs");
+  std::printf(
+      "| scene | points | leaves | open | candidates | fit s | with maps s | us/pt | %% more, "
+      "least "
+      "times | %% more, median of pairs |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, body] :
        {std::pair("sphere", measure::Body::kSphere), std::pair("torus", measure::Body::kTorus),
         std::pair("bumpy", measure::Body::kBumpy)}) {
