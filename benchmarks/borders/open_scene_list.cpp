@@ -147,7 +147,8 @@ void addTubes(List& list) {
   // 30 m, radius 2.5, a point every .08.
   const Sheet tunnel = band(cylinderChart(31.0, -1.0), 0.0, 375.0);
   list.add("tunnel", {tunnel}).turned = 0.7;
-  list.add("tunnel-moving", {tunnel}).moving = true;
+  list.add("tunnel-moving", {tunnel}).sampling = Sampling::kMoving;
+  list.add("tunnel-profiles", {tunnel}).sampling = Sampling::kProfiles;
   list.add("branch", {band(cylinderChart(2.7), 0.0, 180.0)});
   Sheet sphere = band(sphereChart(42.0), -21.0 * M_PI, 21.0 * M_PI);
   sphere.whole = true;

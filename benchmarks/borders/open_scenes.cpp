@@ -110,13 +110,14 @@ double Sheet::borderLength() const {
 }
 
 void OpenScene::sample(double noise, std::uint64_t seed) {
+  constexpr double kProfile = 1.6;  ///< spacings between lines of a profile scanner
   std::mt19937_64 random(seed);
   std::normal_distribution<double> gauss;
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   sigma = noise;
   const auto add = [&](const Sheet& sheet, const Flat& at) {
     const double density = sheet.chart->stretch(at) / sheet.chart->mostStretch() *
-                           (moving ? seenShare(sheet, at[1]) : 1.0);
+                           (sampling == Sampling::kMoving ? seenShare(sheet, at[1]) : 1.0);
     if (!sheet.holds(at) || unit(random) > density) return;
     Vector3 p = sheet.chart->place(at);
     for (double& value : p) value += noise * gauss(random);
@@ -127,6 +128,14 @@ void OpenScene::sample(double noise, std::uint64_t seed) {
   };
   for (const Sheet& sheet : sheets) {
     const double width = sheet.high[0] - sheet.low[0], height = sheet.high[1] - sheet.low[1];
+    if (sampling == Sampling::kProfiles) {
+      for (double v = sheet.low[1] + 0.5 * kProfile; v < sheet.high[1]; v += kProfile) {
+        for (double u = unit(random) / kProfile; u < width; u += 1.0 / kProfile) {
+          add(sheet, {sheet.low[0] + u, v});
+        }
+      }
+      continue;
+    }
     if (sampling == Sampling::kJittered) {
       for (double v = sheet.low[1] + 0.5; v < sheet.high[1]; v += 1.0) {
         for (double u = sheet.low[0] + 0.5; u < sheet.high[0]; u += 1.0) {

@@ -47,15 +47,16 @@ constexpr double kKeptHole = 6.0;
 
 /** \brief How a scene's points are spread. */
 enum class Sampling {
-  kRandom,   ///< evenly, each on its own
-  kJittered  ///< on a grid of the chart, each moved by up to .3 each way
+  kRandom,    ///< evenly, each on its own
+  kJittered,  ///< on a grid of the chart, each moved by up to .3 each way
+  kMoving,    ///< as a scanner sees a tunnel that moves along its middle: half as dense at the ends
+  kProfiles   ///< on lines around, 1.6 apart, .625 apart on a line
 };
 
 struct OpenScene {
   std::string name;
   std::vector<Sheet> sheets;
   Sampling sampling = Sampling::kRandom;
-  bool moving = false;  ///< as a scanner sees it that moves along the middle of a tunnel
   double turned = 0.0;  ///< radians about (1, 2, 3), all of it
   double sigma = 0.0;   ///< of the points' noise, isotropic
 
@@ -72,7 +73,9 @@ struct OpenScene {
 
   double borderLength() const;
   /** \brief Spacing where points are sparsest. */
-  double widestSpacing() const { return moving ? 1.42 : 1.0; }
+  double widestSpacing() const {
+    return sampling == Sampling::kMoving ? 1.42 : sampling == Sampling::kProfiles ? 1.6 : 1.0;
+  }
   /** \brief Borders that a mesh must have, and those that it may have. */
   std::array<std::size_t, 2> loops() const;
 
