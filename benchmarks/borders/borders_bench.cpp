@@ -36,10 +36,18 @@ struct Settings {
   bool reference = false, draw = true, mesh = true, use_normals = true;
   int size = 1000, repeat = 3;
   double noise = 0.02;
+  double hole = 0;  ///< of fits and meshes; 0: their own defaults
   std::string noises, files;
   borders::OpenSettings open;
   borders::ClosedSettings closed;
 };
+
+MeshParams meshParams(const Settings& s) {
+  MeshParams params;
+  params.threads = s.fit.threads;
+  if (s.hole > 0) params.hole_size = s.hole;
+  return params;
+}
 
 /** \brief CPU seconds of a fit without trim maps and with them, the least of several. */
 struct Cost {
@@ -124,8 +132,7 @@ void printBorders(const Settings& s, const SLIMSurface& surface, const Near& nea
 
 /** \brief The mesh of a scan: what kind of surface, and how much of it is far from points. */
 Error printMesh(const Settings& s, const SLIMSurface& surface, const Near& near) {
-  MeshParams params;
-  params.threads = s.fit.threads;
+  const MeshParams params = meshParams(s);
   TriangleMesh mesh;
   MeshStatistics statistics;
   const double start = measure::cpuSeconds();
@@ -196,8 +203,7 @@ int runScene(const Settings& s) {
 
 /** \brief The lists of rows. */
 Error printRows(Settings& s) {
-  MeshParams mesh;
-  mesh.threads = s.fit.threads;
+  const MeshParams mesh = meshParams(s);
   if (s.input == "cost") {
     borders::CostSettings cost;
     cost.fit = s.fit;
@@ -261,7 +267,8 @@ int main(int argc, char** argv) {
       "SCAN|half|hole|strip|grid|open|closed|cost", &s.input,
       "a .pcd or .ply; a scene by name; or a list of rows: open scenes, closed bodies, "
       "cost of trim maps");
-  table.number("hole", &s.fit.hole_size, 2, 50, "diameter of the smallest hole kept, in spacings");
+  table.number("hole", &s.hole, 2, 50, "diameter of the smallest hole kept, in spacings",
+               "the defaults of fit and mesh");
   table.number("noise", &s.noise, 0, 10, "of a scene's points, in spacings");
   table.integer("seed", &s.fit.seed, 0, 1000000, "of a scene, and of the fit");
   table.integer("threads", &s.fit.threads, 1, 256, "threads");
@@ -279,6 +286,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
     return kExitUsage;
   }
+  if (s.hole > 0) s.fit.hole_size = s.hole;
   if (s.input == "open" || s.input == "closed" || s.input == "cost") return runRows(s);
   if (s.input.find('.') == std::string::npos) return runScene(s);
   const Result<CloudFile> cloud = loadCloudFile(s.input);

@@ -15,6 +15,9 @@
 namespace pcl_slim::borders {
 namespace {
 
+constexpr std::size_t kPoints = 20000;  ///< of a body
+constexpr int kSeeds = 3;
+
 /** \brief Mean spacing of a body's random points as a share of the diagonal: twice the mean distance
  * from a point to the next. */
 double spacingOf(measure::Body body, std::size_t count) {
@@ -100,7 +103,7 @@ Error addBodies(const ClosedSettings& s, ClosedRows& rows) {
       return {ErrorCode::kBadArgument, "no body is called '" + body_name +
                                            "'; take sphere, torus, bumpy, ellipsoid or amphora"};
     }
-    const double spacing = spacingOf(body, s.points);
+    const double spacing = spacingOf(body, kPoints);
     for (const std::string& spread_name : wordsOf(s.spreads)) {
       measure::Spread spread;
       if (!measure::parseSpread(spread_name, spread)) {
@@ -111,10 +114,10 @@ Error addBodies(const ClosedSettings& s, ClosedRows& rows) {
         char level[32];
         std::snprintf(level, sizeof level, ", noise %g", noise);
         const std::string group = spread_name + level;
-        for (int seed = 1; seed <= s.seeds; ++seed) {
+        for (int seed = 1; seed <= kSeeds; ++seed) {
           const auto number = static_cast<std::uint64_t>(seed);
           const measure::Scene scene =
-              measure::makeBody(body, spread, s.points, noise * spacing, number);
+              measure::makeBody(body, spread, kPoints, noise * spacing, number);
           std::printf("%-14s %-8s %6.2f %3d ", body_name.c_str(), spread_name.c_str(), noise, seed);
           if (Error error = rows.add(measure::viewOf(scene, nullptr, false), number, group))
             return error;

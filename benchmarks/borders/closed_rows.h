@@ -17,9 +17,7 @@ struct ClosedSettings {
   std::string bodies = "sphere,torus,bumpy,ellipsoid,amphora";
   std::string spreads = "random,uneven,step";
   std::vector<double> noise;  ///< spacings
-  std::size_t points = 20000;
-  int seeds = 3;
-  std::string files;  ///< closed scans, separated by commas; empty: generated bodies
+  std::string files;          ///< closed scans, separated by commas; empty: generated bodies
   bool use_normals = true;
 };
 

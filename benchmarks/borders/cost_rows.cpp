@@ -57,6 +57,7 @@ Error addRow(const CostSettings& s, const std::string& name, const CloudView& vi
 }  // namespace
 
 Error printCostRows(const CostSettings& settings) {
+  constexpr std::size_t kPoints = 100000;
   std::printf(
       "| scene | points | leaves | open | candidates | fit s | with maps s | us/pt | %% more, "
       "least "
@@ -66,7 +67,7 @@ Error printCostRows(const CostSettings& settings) {
         std::pair("bumpy", measure::Body::kBumpy)}) {
     for (const auto& [level, noise] : {std::pair(" .1 %", 0.001), std::pair(" .5 %", 0.005)}) {
       const measure::Scene scene =
-          measure::makeBody(body, measure::Spread::kRandom, settings.points, noise, 1);
+          measure::makeBody(body, measure::Spread::kRandom, kPoints, noise, 1);
       if (Error error =
               addRow(settings, std::string(name) + level, measure::viewOf(scene, nullptr, false)))
         return error;

@@ -10,8 +10,7 @@ namespace pcl_slim::borders {
 
 struct CostSettings {
   FitParams fit;
-  int repeat = 5;  ///< pairs of fits
-  std::size_t points = 100000;
+  int repeat = 5;     ///< pairs of fits
   std::string files;  ///< scans, separated by commas
   bool use_normals = true;
 };
