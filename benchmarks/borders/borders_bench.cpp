@@ -243,7 +243,8 @@ void declareRows(OptionTable& table, Settings& s) {
       "noises", &s.noises, "LIST",
       "with open and closed: of the points, in spacings; 0 or .03, .1, .3 and 1 if not given");
   table.text("scenes", &s.open.scenes, "LIST", "with open: names of scenes or their beginnings");
-  table.text("normals", &s.open.normals, "0|1|01", "with open: without normals, with, or both");
+  table.choice("normals", &s.open.normals, {"0", "1", "01"},
+               "with open: without normals, with, or both");
   table.text("methods", &s.open.methods, "LIST",
              "with open: slim, truth (the instrument's error), poisson (trimmed), front (CGAL's)");
   table.number("poisson_trim", &s.open.poisson_trim, 0.5, 100,
