@@ -53,7 +53,7 @@ class ClosedRows {
     const bool closed = c.border_edges == 0, open_leaves = fit.open_leaves > 0;
     const bool good = closed && !open_leaves && c.components == 1 && flat == 0;
     std::printf(
-        "%8llu %7llu %6llu %8llu %6llu %6llu %6zu %6zu %s\n",
+        " %llu | %llu | %llu | %llu | %llu | %llu | %zu | %zu | %s |\n",
         static_cast<unsigned long long>(fit.points), static_cast<unsigned long long>(fit.leaves),
         static_cast<unsigned long long>(fit.open_leaves),
         static_cast<unsigned long long>(c.triangles), static_cast<unsigned long long>(c.components),
@@ -72,8 +72,9 @@ class ClosedRows {
   }
 
   static void printHead() {
-    std::printf("%-34s %8s %7s %6s %8s %6s %6s %6s %6s\n", "body spread noise seed", "points",
-                "leaves", "open", "tri.", "comp.", "border", "loops", "zero");
+    std::printf(
+        "| body | points | leaves | open | triangles | components | border edges | loops | zero "
+        "area | |\n|---|---|---|---|---|---|---|---|---|---|\n");
   }
 
   /** \brief As rows of a table of markdown. */
@@ -118,7 +119,8 @@ Error addBodies(const ClosedSettings& s, ClosedRows& rows) {
           const auto number = static_cast<std::uint64_t>(seed);
           const measure::Scene scene =
               measure::makeBody(body, spread, kPoints, noise * spacing, number);
-          std::printf("%-14s %-8s %6.2f %3d ", body_name.c_str(), spread_name.c_str(), noise, seed);
+          std::printf("| %s, %s, noise %g, seed %d |", body_name.c_str(), spread_name.c_str(),
+                      noise, seed);
           if (Error error = rows.add(measure::viewOf(scene, nullptr, false), number, group))
             return error;
         }
@@ -132,7 +134,7 @@ Error addFiles(const ClosedSettings& s, ClosedRows& rows) {
   for (const std::string& file : wordsOf(s.files)) {
     const Result<CloudFile> cloud = loadCloudFile(file);
     if (!cloud) return cloud.error();
-    std::printf("%-34s ", file.substr(file.find_last_of('/') + 1).c_str());
+    std::printf("| %s |", file.substr(file.find_last_of('/') + 1).c_str());
     if (Error error = rows.add(cloud->view(s.use_normals), s.fit.seed, "files")) return error;
   }
   return {};

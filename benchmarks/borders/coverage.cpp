@@ -7,6 +7,7 @@
 #include "borders/mesh_parts.h"
 
 namespace pcl_slim::borders {
+
 CoverageGrid::CoverageGrid(const Sheet& sheet) : sheet_(sheet), low_(sheet.low) {
   const double width = sheet.high[0] - sheet.low[0], height = sheet.high[1] - sheet.low[1];
   if (sheet.isBand()) {
@@ -52,7 +53,7 @@ void CoverageGrid::label() {
   for (std::size_t h = 0; h < sheet_.holes.size(); ++h) labelHole(static_cast<std::int32_t>(h + 1));
 }
 
-/** Holes that may be closed or not have any label around them, too: their rims are no matter. */
+/** Small holes may be closed or open: their cells and those around them count neither way. */
 void CoverageGrid::labelHole(std::int32_t number) {
   const Hole& hole = sheet_.holes[static_cast<std::size_t>(number - 1)];
   const bool kept = hole.size() >= kKeptHole;
@@ -74,7 +75,7 @@ void CoverageGrid::labelHole(std::int32_t number) {
   }
 }
 
-double CoverageGrid::cover(std::array<Flat, 3> corners) {
+bool CoverageGrid::cover(std::array<Flat, 3> corners) {
   const double period = sheet_.isBand() ? sheet_.chart->period() : 0.0;
   double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
   const double first = corners[0][0];
@@ -87,8 +88,8 @@ double CoverageGrid::cover(std::array<Flat, 3> corners) {
       high[a] = std::max(high[a], c[a]);
     }
   }
-  if (high[1] < 0.0 || low[1] > rows_ - 1) return 1.0;
-  if (period == 0.0 && (high[0] < 0.0 || low[0] > columns_ - 1)) return 1.0;
+  if (high[1] < 0.0 || low[1] > rows_ - 1) return false;
+  if (period == 0.0 && (high[0] < 0.0 || low[0] > columns_ - 1)) return false;
   for (int row = static_cast<int>(std::ceil(low[1])); row <= high[1]; ++row) {
     double from = 1e300, to = -1e300;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -105,7 +106,7 @@ double CoverageGrid::cover(std::array<Flat, 3> corners) {
       if (cell >= 0) covered_[static_cast<std::size_t>(cell)] = 1;
     }
   }
-  return 0.0;
+  return true;
 }
 
 void CoverageGrid::cover(const RayTracer& tracer, const OpenScene& scene, double reach) {
@@ -183,15 +184,15 @@ Coverage SceneCoverage::ofMesh(const TriangleMesh& mesh) {
       height = h;
       sheet = s;
     }
-    double outside = 1.0;
+    bool inside = false;
     if (height <= reach()) {
       std::array<Flat, 3> flat;
       for (std::size_t k = 0; k < 3; ++k) {
         flat[k] = scene_.sheets[sheet].chart->foot(corners[k]).at;
       }
-      outside = grids_[sheet].cover(flat);
+      inside = grids_[sheet].cover(flat);
     }
-    off += outside * areaOf(corners);
+    if (!inside) off += areaOf(corners);
   });
   Coverage coverage = sum();
   coverage.beyond += off;

@@ -25,11 +25,11 @@ class CoverageGrid {
   explicit CoverageGrid(const Sheet& sheet);
 
   /** \brief Marks the cells whose middles are in a triangle of the chart.
-   * \return the triangle's area where it is outside of the grid, as a share of it: 0 or 1. */
-  double cover(std::array<Flat, 3> corners);
+   * \return false if all of the triangle is outside of the grid. */
+  bool cover(std::array<Flat, 3> corners);
 
-  /** \brief Marks the cells, step x step at a time, at whose middles rays along the normals meet
-   * the surface within a distance. */
+  /** \brief Marks the cells, four at a time, at whose middle a ray along the normal meets the
+   * surface within a distance. */
   void cover(const RayTracer& tracer, const OpenScene& scene, double reach);
 
   void clear();
@@ -37,8 +37,8 @@ class CoverageGrid {
 
  private:
   static constexpr double kCell = 0.25, kMargin = 8.0;
-  static constexpr int kStep = 2;                                  ///< cells a ray
-  enum : std::int32_t { kOutside = -2, kAny = -1, kSurface = 0 };  ///< above: hole
+  static constexpr int kStep = 2;                                  ///< a ray covers 2 x 2 cells
+  enum : std::int32_t { kOutside = -2, kAny = -1, kSurface = 0 };  ///< above: a hole's number
 
   Flat middle(int column, int row) const;
   std::int64_t cellAt(int column, int row) const;

@@ -87,7 +87,7 @@ bool Sheet::isInHole(const Hole& hole, const Flat& at, double wider) const {
   return x < hole.half[0] + wider && y < hole.half[1] + wider;
 }
 
-bool Sheet::holds(const Flat& at) const {
+bool Sheet::contains(const Flat& at) const {
   return isInOutline(at) && std::none_of(holes.begin(), holes.end(),
                                          [&](const Hole& hole) { return isInHole(hole, at); });
 }
@@ -118,7 +118,7 @@ void OpenScene::sample(double noise, std::uint64_t seed) {
   const auto add = [&](const Sheet& sheet, const Flat& at) {
     const double density = sheet.chart->stretch(at) / sheet.chart->mostStretch() *
                            (sampling == Sampling::kMoving ? seenShare(sheet, at[1]) : 1.0);
-    if (!sheet.holds(at) || unit(random) > density) return;
+    if (!sheet.contains(at) || unit(random) > density) return;
     Vector3 p = sheet.chart->place(at);
     for (double& value : p) value += noise * gauss(random);
     points.push_back(fromCharts(p));

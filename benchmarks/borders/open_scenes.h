@@ -27,14 +27,14 @@ struct Hole {
 /** \brief A part of a chart's surface. */
 struct Sheet {
   ChartPointer chart;
-  Flat low{}, high{};         ///< box of the part; the first coordinate all around: its period
+  Flat low{}, high{};         ///< box of the part; in a closed chart as wide as its period
   std::vector<Flat> outline;  ///< corners of the outer border; empty: the box
   std::vector<Hole> holes;
   bool whole = false;  ///< without an outer border, as a sphere
 
   bool isBand() const;  ///< whether it goes all around: two outer borders, below and above
-  /** \brief Inside of the outer border, and of no hole. O(holes). */
-  bool holds(const Flat& at) const;
+  /** \brief Whether a place is inside of the outer border and in no hole. O(holes). */
+  bool contains(const Flat& at) const;
   bool isInOutline(const Flat& at) const;
   /** \brief Whether a hole contains a place once it is wider by some spacings all around. */
   bool isInHole(const Hole& hole, const Flat& at, double wider = 0.0) const;
@@ -63,7 +63,7 @@ struct OpenScene {
   std::vector<Vector3> points;
   std::vector<float> normals;  ///< true ones
 
-  /** \brief Makes the points, some of unit density on every sheet. */
+  /** \brief Makes the points and normals, one point a unit of area. */
   void sample(double noise, std::uint64_t seed);
   CloudView view(bool with_normals) const;
 
@@ -83,8 +83,8 @@ struct OpenScene {
   Vector3 rotated(const Vector3& place, double angle) const;
 };
 
-/** \brief All scenes without points, or those whose names begin with one of a list's words.
- * Empty: a word fits none. */
+/** \brief Scenes without points: all, or those whose names begin with a word of the list; none if
+ * no name begins with one of them. */
 std::vector<OpenScene> openScenes(const std::string& words);
 
 }  // namespace pcl_slim::borders

@@ -8,7 +8,7 @@
 namespace pcl_slim::borders {
 namespace {
 
-/** \brief The squares of a sheet's chart whose middles it holds, as triangles. */
+/** \brief The squares of a sheet's chart whose middles it contains, as triangles. */
 class SheetSquares {
  public:
   SheetSquares(const OpenScene& scene, const Sheet& sheet, TriangleMesh& mesh)
@@ -22,7 +22,7 @@ class SheetSquares {
   void add() {
     for (int row = 0; row < count_[1]; ++row) {
       for (int column = 0; column < count_[0]; ++column) {
-        if (!sheet_.holds(at(column + 0.5, row + 0.5))) continue;
+        if (!sheet_.contains(at(column + 0.5, row + 0.5))) continue;
         const std::uint32_t corners[4] = {vertex(column, row), vertex(column + 1, row),
                                           vertex(column + 1, row + 1), vertex(column, row + 1)};
         addTriangle({corners[0], corners[1], corners[2]});

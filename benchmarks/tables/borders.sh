@@ -41,6 +41,9 @@ for stage in "$@"; do
     python3 "$here/borders_scans.py" "$out/scans.txt"
   else
     "$bin/$program" "${command[@]}" >"$out/$stage.txt"
-    grep '^|' "$out/$stage.txt"
+    case $stage in
+      files | cost) grep '^|' "$out/$stage.txt" ;;
+      *) sed '1,/^$/d' "$out/$stage.txt" ;;  # the sums
+    esac
   fi
 done
