@@ -59,7 +59,9 @@ class ClosedRows {
         static_cast<unsigned long long>(c.triangles), static_cast<unsigned long long>(c.components),
         static_cast<unsigned long long>(c.border_edges), countLoops(mesh), flat, good ? "ok" : "-");
     std::fflush(stdout);
-    for (const std::string& name : {group, std::string("all")}) {
+    std::vector<std::string> names(1, "all");
+    if (group != names[0]) names.push_back(group);
+    for (const std::string& name : names) {
       Sum& sum = groups_[name];
       ++sum.rows;
       sum.good += good ? 1 : 0;
@@ -135,7 +137,7 @@ Error addFiles(const ClosedSettings& s, ClosedRows& rows) {
     const Result<CloudFile> cloud = loadCloudFile(file);
     if (!cloud) return cloud.error();
     std::printf("| %s |", file.substr(file.find_last_of('/') + 1).c_str());
-    if (Error error = rows.add(cloud->view(s.use_normals), s.fit.seed, "files")) return error;
+    if (Error error = rows.add(cloud->view(s.use_normals), s.fit.seed, "all")) return error;
   }
   return {};
 }

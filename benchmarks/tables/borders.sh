@@ -14,7 +14,7 @@ shift 2
 [ $# -gt 0 ] || set -- open closed files cost scans rivals
 
 closed=(armadillo_50k.ply stanford_dragon_res2.ply block_04_original.ply block_04_noisy.ply fandisk_03_original.ply
-  fandisk_03_noisy.ply pcpnet_cube100k.pcd denoise/{casting,chair,cow,duck,eight,genus3,pig,star}.ply)
+  fandisk_03_noisy.ply pcpnet_cube100k.pcd denoise/{casting,chair,cow,duck,eight,genus3,star}.ply)
 scans=(kinect_mosd_learn13.pcd angel_real_scan.ply autzen_stadium.pcd lion_takanawa.pcd lone_star_geyser_tls.pcd
   terrain_isprs_csite1_utm.pcd stereo_pr2_textured.pcd azure_kinect_organized.pcd stanford_bunny_raw_scans.pcd
   stanford_dragon_res2.ply armadillo_50k.ply pcpnet_cube100k.pcd)
