@@ -104,27 +104,32 @@ void measureSpacings(int threads, Feet& feet) {
 
 FootSearch::FootSearch(const Feet& feet, double spacings, double extra)
     : feet_(feet), spacings_(spacings), extra_(extra / feet.store.scale()) {
-  for (const float s : feet.spacing) widest_ = std::max(widest_, s);
-  widest_ = static_cast<float>(spacings_ * widest_ + extra_);
+  constexpr double kUsual = 4.0;  ///< medians that a usual spacing does not exceed
   const double usual =
       measure::median(std::vector<double>(feet.spacing.begin(), feet.spacing.end()));
   usual_spacing_ = usual * feet.store.scale();
-  usual_ = static_cast<float>(spacings_ * usual + extra_);
+  reach_ = static_cast<float>(spacings_ * kUsual * usual + extra_);
+  for (std::size_t i = 0; i < feet.spacing.size(); ++i) {
+    const auto block = static_cast<std::uint32_t>(i / PointStore::kBlock);
+    if (feet.spacing[i] <= kUsual * usual) continue;
+    if (sparse_.empty() || sparse_.back() != block) sparse_.push_back(block);
+  }
 }
 
 bool FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const {
   const Vector3 place = scaled(subtract(world, feet_.store.origin()), 1.0 / feet_.store.scale());
   const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                        static_cast<float>(place[2])};
-  // Most places have a foot close by: look far only where there is none.
-  for (float reach = usual_;; reach *= 4.0f) {
+  // Most places have a foot close by: look farther only where there is none.
+  for (const float reach : {0.25f * reach_, reach_}) {
     blocks.clear();
-    feet_.store.tree().blocksInBall(at, std::min(reach, widest_), blocks);
+    feet_.store.tree().blocksInBall(at, reach, blocks);
     for (const std::uint32_t b : blocks) {
       if (nearBlock(place, b)) return true;
     }
-    if (reach >= widest_) return false;
   }
+  return std::any_of(sparse_.begin(), sparse_.end(),
+                     [&](std::uint32_t b) { return nearBlock(place, b); });
 }
 
 bool FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t block) const {

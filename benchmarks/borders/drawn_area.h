@@ -43,8 +43,8 @@ class FootSearch {
   const Feet& feet_;
   double spacings_, extra_;  ///< the store's units
   double usual_spacing_;
-  float widest_ = 0.0f;
-  float usual_ = 0.0f;  ///< what is near where points are as dense as usual
+  float reach_ = 0.0f;                 ///< what is near where points are at least as dense as usual
+  std::vector<std::uint32_t> sparse_;  ///< blocks with a foot that is near to more than that
 };
 
 /** \brief Pixels that show a surface where no points are, as connected pieces of six pictures. */
