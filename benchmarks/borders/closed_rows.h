@@ -21,8 +21,8 @@ struct ClosedSettings {
   bool use_normals = true;
 };
 
-/** \brief One row a body, spread, noise level and seed, or a file: leaves that are open, the mesh's
- * components, border edges and triangles of zero area; and how many rows are closed.
+/** \brief Prints one row a body, spread, noise level and seed, or a file: leaves that are open, the
+ * mesh's components, border edges and triangles of zero area; and the sums by spread and noise.
  * \return an error for an unknown name or a file that cannot be read. */
 Error printClosedRows(const ClosedSettings& settings);
 

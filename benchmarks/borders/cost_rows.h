@@ -15,7 +15,7 @@ struct CostSettings {
   bool use_normals = true;
 };
 
-/** \brief What trim maps cost: pairs of fits without them and with them, in turn, of sphere, torus
+/** \brief Prints what trim maps cost: pairs of fits without them and with them, in turn, of sphere, torus
  * and bumpy sphere with noise of .1 and .5 % of the diagonal, and of scans. CPU time.
  * \return an error for a file that cannot be read. */
 Error printCostRows(const CostSettings& settings);

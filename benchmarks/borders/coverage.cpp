@@ -137,7 +137,40 @@ void CoverageGrid::cover(const RayTracer& tracer, const OpenScene& scene, double
   }
 }
 
+/** Cells are reached in rings about those that are covered, by turns over sides alone and over
+ * corners, too: the distance is that of octagons. */
+double CoverageGrid::deepestMissing() const {
+  std::vector<std::uint8_t> seen = covered_;
+  std::vector<std::int64_t> front, next;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    if (covered_[i] != 0) front.push_back(static_cast<std::int64_t>(i));
+    left += covered_[i] == 0 && labels_[i] == kSurface ? 1 : 0;
+  }
+  int rings = 0;
+  for (; left > 0 && !front.empty(); ++rings) {
+    next.clear();
+    for (const std::int64_t cell : front) {
+      const int column = static_cast<int>(cell % columns_), row = static_cast<int>(cell / columns_);
+      for (int k = 0; k < 9; ++k) {
+        const int x = k % 3 - 1, y = k / 3 - 1;
+        if (rings % 2 == 0 && x != 0 && y != 0) continue;
+        const std::int64_t beside = cellAt(column + x, row + y);
+        if (beside < 0 || seen[static_cast<std::size_t>(beside)] != 0) continue;
+        const std::int32_t label = labels_[static_cast<std::size_t>(beside)];
+        if (label != kSurface && label != kAny) continue;
+        seen[static_cast<std::size_t>(beside)] = 1;
+        left -= label == kSurface ? 1 : 0;
+        next.push_back(beside);
+      }
+    }
+    front.swap(next);
+  }
+  return left > 0 ? static_cast<double>(columns_) * cell_u_ : rings * kCell;
+}
+
 void CoverageGrid::addTo(Coverage& sum) const {
+  sum.deepest = std::max(sum.deepest, deepestMissing());
   std::vector<std::array<std::size_t, 2>> holes(sheet_.holes.size());  // cells, covered ones
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {

@@ -14,6 +14,7 @@ namespace pcl_slim::borders {
 struct Coverage {
   double beyond = 0.0;      ///< covered where there is no surface
   double missing = 0.0;     ///< surface that is not covered
+  double deepest = 0.0;     ///< distance in it to what is covered, at most; spacings
   double truth = 0.0;       ///< surface
   std::size_t kept = 0;     ///< holes of 6 spacings and more that are open by half at least
   std::size_t to_keep = 0;  ///< such holes
@@ -42,6 +43,7 @@ class CoverageGrid {
 
   Flat middle(int column, int row) const;
   std::int64_t cellAt(int column, int row) const;
+  double deepestMissing() const;
   void label();
   void labelHole(std::int32_t number);
 

@@ -25,7 +25,7 @@ Feet feetOf(const PointStore& points, const SLIMSurface& surface, int threads);
 /** \brief A store's points themselves in place of their feet, without normals. */
 Feet pointsOf(const PointStore& points, int threads);
 
-/** \brief Whether places are near data: within so many of a foot's spacings. */
+/** \brief Whether places are near data: within a multiple of the spacing about a foot. */
 class FootSearch {
  public:
   /** \brief Keeps a reference to the feet. \param[in] extra added to the spacings, scan's units */
@@ -70,7 +70,8 @@ struct AreaViews {
 /** \brief Sums up, over six views in parallel projection along the axes, the area that pixels show:
  * all of it, and the part that is farther than 1.5 spacings from every foot; and the pieces that
  * float.
- * \param[in] floats near() is false of what floats; it is looked up where a foot is far */
+ * \param[in] floats what is near no point of this search floats; evaluated where every foot is far
+ */
 DrawnArea drawnArea(const SLIMSurface& surface, const FootSearch& feet, const FootSearch& floats,
                     const RenderParams& params, const AreaViews& views);
 

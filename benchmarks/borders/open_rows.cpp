@@ -71,11 +71,12 @@ class Misses {
 
 void printHead() {
   std::printf(
-      "%-18s %-7s %5s n %6s %6s %5s | %6s %6s %6s %9s %9s %6s %6s %5s %5s %6s %6s | %6s %6s %6s "
+      "%-18s %-7s %5s n %6s %6s %5s | %6s %6s %6s %5s %9s %9s %6s %6s %5s %5s %6s %6s | %6s %6s "
+      "%5s %6s "
       "%7s | misses\n",
-      "scene", "method", "noise", "points", "CPU s", "open", "tri.", "beyond", "miss", "kept",
-      "loops", "closed", "border", "comp.", "zero", "far", "far s2", "beyond", "miss", "kept",
-      "stray %");
+      "scene", "method", "noise", "points", "CPU s", "open", "tri.", "beyond", "miss", "deep",
+      "kept", "loops", "closed", "border", "comp.", "zero", "far", "far s2", "beyond", "miss",
+      "deep", "kept", "stray %");
 }
 
 class OpenRows {
@@ -193,6 +194,7 @@ class OpenRows {
     outcome.loops = loops >= wanted[0] && loops <= wanted[1];
     misses.check(outcome.beyond <= kMostAside, "beyond");
     misses.check(outcome.missing <= kMostAside, "missing");
+    misses.check(c.deepest <= limit(scene), "deep");
     misses.check(c.kept == c.to_keep, "holes");
     misses.check(outcome.loops, "loops");
     misses.check(census.components == scene.sheets.size(), "components");
@@ -201,9 +203,9 @@ class OpenRows {
     const std::string kept = std::to_string(c.kept) + "/" + std::to_string(c.to_keep);
     std::string found = std::to_string(loops) + "/" + std::to_string(wanted[0]);
     if (wanted[1] > wanted[0]) found += "-" + std::to_string(wanted[1]);
-    std::printf("%6zu %6.2f %6.2f %9s %9s %6llu %6llu %5llu %5zu %6.2f %6.1f | ",
-                mesh.triangles.size(), outcome.beyond, outcome.missing, kept.c_str(), found.c_str(),
-                static_cast<unsigned long long>(statistics.closed_holes),
+    std::printf("%6zu %6.2f %6.2f %5.1f %9s %9s %6llu %6llu %5llu %5zu %6.2f %6.1f | ",
+                mesh.triangles.size(), outcome.beyond, outcome.missing, c.deepest, kept.c_str(),
+                found.c_str(), static_cast<unsigned long long>(statistics.closed_holes),
                 static_cast<unsigned long long>(census.border_edges),
                 static_cast<unsigned long long>(census.components), flat, far.farthest, far.area);
   }
@@ -220,10 +222,11 @@ class OpenRows {
     outcome.open = c.kept;
     misses.check(outcome.seen_beyond <= kMostAside, "p.beyond");
     misses.check(outcome.unseen <= kMostAside, "p.missing");
+    misses.check(c.deepest <= limit(scene), "p.deep");
     misses.check(c.kept == c.to_keep, "p.holes");
     misses.check(stray == 0.0, "p.stray");
-    std::printf("%6.2f %6.2f %6zu %7.3f | ", outcome.seen_beyond, outcome.unseen, c.kept,
-                100.0 * stray);
+    std::printf("%6.2f %6.2f %5.1f %6zu %7.3f | ", outcome.seen_beyond, outcome.unseen, c.deepest,
+                c.kept, 100.0 * stray);
   }
 
   const OpenSettings& s_;

@@ -22,8 +22,8 @@ struct OpenSettings {
   bool picture = true;           ///< measure pictures, too
 };
 
-/** \brief One row a scene, noise level and choice of normals, with what misses a target marked; and
- * how many rows meet every target. \return an error for the unknown name of a scene or method. */
+/** \brief Prints one row a scene, noise level, method and choice of normals, with the targets that it
+ * misses, and the sums by kind of scene and by noise. \return an error for the unknown name of a scene or method. */
 Error printOpenRows(const OpenSettings& settings);
 
 }  // namespace pcl_slim::borders
