@@ -77,34 +77,6 @@ float nearestSq(const SheetPoints& points, float u, float v) {
   return GetLane(MinOfLanes(d, least));
 }
 
-QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v) {
-  const Tag d;
-  const auto at_u = set(u), at_v = set(v);
-  const auto limit = set(4.0f * nearestSq(points, u, v));
-  QuadrantPoints found;
-  HWY_ALIGN float squares[HWY_MAX_BYTES / 4];
-  for (std::size_t i = 0; i < points.count; i += hn::Lanes(d)) {
-    const auto x = Load(d, points.u.data() + i) - at_u;
-    const auto y = Load(d, points.v.data() + i) - at_v;
-    const auto square = x * x + y * y;
-    const auto near = square <= limit;
-    if (AllFalse(d, near)) continue;
-    Store(square, d, squares);
-    std::uint8_t bits[8] = {};
-    StoreMaskBits(d, near, bits);
-    for (unsigned mask = bits[0] | static_cast<unsigned>(bits[1]) << 8; mask != 0;
-         mask &= mask - 1) {
-      const auto k = static_cast<std::size_t>(__builtin_ctz(mask));
-      const std::size_t side = (points.u[i + k] < u ? 1u : 0u) + (points.v[i + k] < v ? 2u : 0u);
-      if (found.nearest[side] != QuadrantPoints::kNone && squares[k] >= found.distance_sq[side])
-        continue;
-      found.nearest[side] = static_cast<std::uint32_t>(i + k);
-      found.distance_sq[side] = squares[k];
-    }
-  }
-  return found;
-}
-
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -115,7 +87,6 @@ namespace kernels {
 HWY_EXPORT(gatherSheet);
 HWY_EXPORT(findSectors);
 HWY_EXPORT(nearestSq);
-HWY_EXPORT(nearestInQuadrants);
 
 void gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
                  SheetPoints& points) {
@@ -128,10 +99,6 @@ void findSectors(SheetPoints& points) {
 
 float nearestSq(const SheetPoints& points, float u, float v) {
   return HWY_DYNAMIC_DISPATCH(nearestSq)(points, u, v);
-}
-
-QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v) {
-  return HWY_DYNAMIC_DISPATCH(nearestInQuadrants)(points, u, v);
 }
 
 }  // namespace kernels

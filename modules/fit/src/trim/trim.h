@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 #include "scan/ball_kernels.h"
+#include "trim/border_test.h"
 
 namespace pcl_slim::detail {
 
@@ -163,19 +163,8 @@ constexpr std::uint32_t kSheetSectors = 16;
  * bit. Points outside of the unit disc get kSheetSectors. */
 void findSectors(SheetPoints& points);
 
-/** \brief The point next to a place in each of its four quadrants, by u, then v; kNone where none
- * is at most twice as far as the nearest of all. */
-struct QuadrantPoints {
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-  std::array<std::uint32_t, 4> nearest{kNone, kNone, kNone, kNone};
-  std::array<float, 4> distance_sq{};
-};
-
 /** \brief Squared distance of the point next to a place of the plane. */
 float nearestSq(const SheetPoints& points, float u, float v);
-
-/** \brief O(points). */
-QuadrantPoints nearestInQuadrants(const SheetPoints& points, float u, float v);
 
 }  // namespace kernels
 
@@ -187,7 +176,8 @@ struct TrimConstants {
   double growth = 0.3;         ///< a sample owns this much beyond itself, plus half a cell
   double cell = 0.5;           ///< width of a raster's cells
   double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
-  double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
+  double looked_at = 0.9;      ///< [r] borders beyond do not open a surfel: its weight is next to 0
+  double sail = 10.0;          ///< width of discs that a surface off the data leaves empty
   int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
@@ -217,6 +207,15 @@ class TrimRaster {
   void findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
                 std::vector<std::array<double, 2>>& places);
 
+  /** \brief Drops the places that findGaps() found and wider discs about sparse points cover.
+   * \param[in] ratios of the points' spacings to the scale's. O(points times rows of discs). */
+  void coverSparse(const SheetPoints& points, const std::vector<float>& ratios,
+                   std::vector<std::array<double, 2>>& places);
+
+  /** \brief Lists the points at the rims of places that findGaps() found. O(points + places). */
+  void findRims(const SheetPoints& points, const std::vector<std::array<double, 2>>& places,
+                std::vector<std::uint32_t>& rims);
+
   /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as
    * covered. O(points + cells). */
   void measureDepths(const SheetPoints& points, const KnownRegion& known);
@@ -234,10 +233,12 @@ class TrimRaster {
   void setScale(const TrimScale& scale);
   void markEmpty(const SheetPoints& points);
   void markEmptyDiscs(const SheetPoints& points);
+  void markNear(const BitRows& cells, int reach);
   void markNearGaps(int reach);
   void coverGaps(const SheetPoints& points);
   void dropCovered(const SheetPoints& points, std::vector<std::array<double, 2>>& places) const;
-  void cutDisc(int rows, int span);
+  void cutDisc(double reach);
+  void coverDisc(int x, int y);
   void listGaps(std::vector<std::array<double, 2>>& places) const;
   void findRowDistances(int cap);
   bool findDistances(int y, int cap, std::int16_t* distance_sq) const;
@@ -256,108 +257,11 @@ class TrimRaster {
   std::vector<BitRows>
       eroded_;  ///< [k]: cells that are empty with k neighbours on either side in the row
   std::vector<int> run_halves_;            ///< of a disc's rows
+  int disc_rows_ = 0;                      ///< of these, on either side of the middle's
   std::vector<std::size_t> whole_halves_;  ///< likewise of the cells that it contains whole
   std::vector<std::uint8_t> row_has_gap_;
   int stride_ = 0;  ///< of the rows below: whole vectors
   std::vector<std::int16_t> row_distance_sq_, distance_sq_, depth_, scratch_, depth_of_sq_;
-};
-
-/** \brief Where the data end (docs/theory.md, "Borders"). */
-struct BorderConstants {
-  std::size_t near_points = 24;  ///< nearest ones, which give plane and sectors
-  double noise = 5.0;            ///< [RMS noise] all nearer ones are among these
-  double blind = 0.3;            ///< [their reach] nearer ones point anywhere
-  double sector = 1.75;          ///< [radians] empty next to a border
-  double turn = 0.4;             ///< [radians] discs are also tried this much to either side
-  double edge = 0.8;       ///< least cosine between the planes of a point and of its surfel ...
-  double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] is small enough
-  double far = 10.0;       ///< [spacing] a gap as wide needs no other side, and no rim
-  double disc = 1.2;       ///< [smallest hole] chance leaves narrower discs empty
-  double near = 3.0;       ///< [spacing] points are counted on the other side of a gap
-  double rim_share = 0.8;  ///< of the neighbours expected there
-  int places = 12;         ///< in a surfel's gaps whose rims are looked at
-};
-
-/** \brief Points around a place as columns, in local units, padded with zeros to whole vectors. */
-struct NearPoints {
-  AlignedVector<float> x, y, z, distance_sq;  ///< offsets from the place, and their squared length
-  AlignedVector<float> u, v, w;               ///< the offsets in the axes of a plane
-  std::size_t count = 0;
-
-  void reserve(std::size_t capacity);
-};
-
-/** \brief Which points are of the place's side, where normals part sheets. */
-struct PlaceSide {
-  std::array<float, 3> normal{};
-  float min_dot = -2;  ///< the normal bound: of the cosine to the normal; below -1 for all points
-};
-
-/** \brief An empty disc that touches the place, and the nearest point ahead. */
-struct EmptyDisc {
-  float u = 0, v = 0;        ///< direction of its middle from the place
-  float width = 0;           ///< diameter
-  float next_sq = 0;         ///< squared distance of the nearest point within 60 degrees of (u, v)
-  std::ptrdiff_t next = -1;  ///< that point; -1: there is none
-};
-
-constexpr int kBorderSectors = 64;  ///< of directions, equal in the circle |u| + |v| = 1
-
-/** \brief What a border test has found at a stored point. Threads share it, as it depends on
- * nothing else. */
-struct PointBorder {
-  std::atomic<float> spacing{
-      0};  ///< the largest at which the data end there; < 0: none; 0: not tested
-  std::atomic<std::uint32_t> plane{
-      0};  ///< normal of the tangent plane, ten bits a coordinate; 0: unknown
-};
-using PointBorders = std::vector<PointBorder>;
-
-/** \brief Whether the data end next to a point, in the point's own tangent plane.
- *
- * A surfel's plane does not show it: where the surface turns away from it, at the silhouette of a
- * tube, its points end although the data continue. The neighbours of the point, in the plane of
- * their least variance, leave a sector empty at a border and at a hole, and nowhere else. The disc
- * that fits into that sector and touches the point has to be wider than chance leaves discs empty
- * at the spacing on either side of it. One per thread: it keeps its memory.
- */
-class BorderTest {
- public:
-  /** \param[in] noise RMS distance of points from the surface, local length
-   * \param[in] hole_size diameter of the smallest hole kept, in spacings
-   * \param[in] min_dot the normal bound where normals part sheets, else -2: a face ends at a sharp
-   * edge
-   * \param[in,out] borders one for each stored point */
-  BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-             double hole_size, float min_dot, PointBorders& borders);
-
-  /** \brief Whether the data end at a stored point, or leave a surfel's surface at an edge.
-   * \param[in] spacing of a surfel's points around it, local length: a narrower gap may be chance
-   * \param[in] normal unit normal of its surface there. O(neighbours) at a point's first test, O(1)
-   * then. */
-  bool endsAt(std::size_t point, double spacing, const Vector3& normal);
-
- private:
-  float measure(std::size_t point, double spacing);
-  void gather(const Vector3& place, double reach);
-  bool gatherNear(const Vector3& place, double reach);
-  void findPlane();
-  double findSector(double* middle);
-  void findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const;
-  float spacingAcross(const Vector3& place, const EmptyDisc& disc);
-  bool isAsDense(const Vector3& place, double spacing);
-
-  const PointStore& store_;
-  const BorderConstants& constants_;
-  double thick_, least_disc_;
-  PlaceSide side_;  ///< of the point at hand
-  PointBorders& borders_;
-  double reach_ = 0;               ///< neighbours are gathered within
-  std::uint32_t plane_ = 0;        ///< of the point measured last
-  std::array<Vector3, 3> axes_{};  ///< of the plane, and its normal
-  std::vector<std::uint32_t> blocks_, found_;
-  std::vector<float> distances_sq_;
-  NearPoints near_;
 };
 
 /** \brief Gives the surfels that data do not fill their trim maps (docs/theory.md, "Borders"), if

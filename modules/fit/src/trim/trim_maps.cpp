@@ -21,14 +21,15 @@ constexpr BorderConstants kBorder;
  * its memory. */
 class TrimMaker {
  public:
-  TrimMaker(const PointStore& store, const FitPlan& plan, double hole_size,
-            const SLIMSurface& surface, PointBorders& borders)
+  TrimMaker(const PointStore& store, const FitPlan& plan, double hole_size, bool edges_end,
+            const SLIMSurface& surface, LocalSpacing& local_spacing, PointBorders& borders)
       : store_(store),
         plan_(plan),
         hole_size_(hole_size),
         surface_(surface),
+        local_spacing_(local_spacing),
         border_(store, kBorder, std::sqrt(plan.noise), hole_size,
-                plan.with_normals ? plan.min_dot : -2.0f, borders) {}
+                plan.with_normals ? plan.min_dot : -2.0f, edges_end, local_spacing, borders) {}
 
   /** \brief Surfels begin to end are made next: lists the points around them, if they are near to
    * each other. */
@@ -44,8 +45,8 @@ class TrimMaker {
  private:
   kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
   void gather(std::size_t i);
-  Vector3 normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const;
-  bool dataEndAtGaps(std::size_t i, double spacing);
+  void findRatios(std::size_t i, double spacing);
+  bool dataEndAtGaps();
   bool hasSail(std::size_t i, TrimScale scale);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
@@ -53,6 +54,7 @@ class TrimMaker {
   const FitPlan& plan_;
   double hole_size_;
   const SLIMSurface& surface_;
+  LocalSpacing& local_spacing_;
   BlockNeighborhood nearby_;  ///< of the surfels being made
   bool has_nearby_ = false;
   std::vector<std::uint32_t> found_;
@@ -61,6 +63,8 @@ class TrimMaker {
   TrimRaster raster_;
   BorderTest border_;
   std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
+  std::vector<std::uint32_t> rims_;            ///< of gaps: points_
+  std::vector<float> ratios_;                  ///< of the points' spacings to the surfel's
   std::uint64_t candidates_ = 0;
 };
 
@@ -128,40 +132,40 @@ void TrimMaker::prepare(std::size_t begin, std::size_t end) {
   if (has_nearby_) nearby_.collect(store_.tree(), low, high);
 }
 
-/** Unit normal of surfel i's surface over one of its points. */
-Vector3 TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const {
-  const HeightJet jet = evaluateJet(surface_.degree[i], surface_.coefficientsOf(i),
-                                    points_.u[point], points_.v[point]);
-  return normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v));
+/** Ratios of the points' local spacings to the surfel's. */
+void TrimMaker::findRatios(std::size_t i, double spacing) {
+  const double unit = 1.0 / (spacing * surface_.radius[i]);
+  ratios_.resize(points_.count);
+  for (std::size_t k = 0; k < points_.count; ++k)
+    ratios_[k] =
+        static_cast<float>(unit * local_spacing_.of(points_.index[k] / PointStore::kBlock));
 }
 
-/** Whether the data end at one of the places in gaps, evenly chosen, and do not just turn away from
- * the surfel's plane: at the points next to the place, on each of four sides. */
-bool TrimMaker::dataEndAtGaps(std::size_t i, double spacing) {
-  const double r = surface_.radius[i];
-  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
-  const auto most = static_cast<std::size_t>(kBorder.places);
-  const std::size_t count = std::min(most, places_.size());
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto& [u, v] = places_[k * places_.size() / count];
-    const auto rims =
-        kernels::nearestInQuadrants(points_, static_cast<float>(u), static_cast<float>(v));
-    for (const std::uint32_t rim : rims.nearest) {
-      if (rim >= points_.count) continue;
-      if (border_.endsAt(points_.index[rim], r * spacing, normalAt(i, rim, frame))) return true;
-    }
-  }
-  return false;
+/** Whether the data end at a point next to a gap, in the part of the surfel that is drawn. */
+bool TrimMaker::dataEndAtGaps() {
+  raster_.findRims(points_, places_, rims_);
+  constexpr auto kMost = static_cast<float>(kTrim.looked_at * kTrim.looked_at);
+  return std::any_of(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
+    const float u = points_.u[k], v = points_.v[k], w = points_.w[k];
+    return u * u + v * v + w * w < kMost && border_.isBorder(points_.index[k]);
+  });
 }
 
 /** Whether the surfel's surface continues where its points turn away from it, over a disc too wide
  * to be a gap between them. If so, gaps are as wide as this disc: narrower ones remain closed. */
 bool TrimMaker::hasSail(std::size_t i, TrimScale scale) {
-  scale.hole = std::max(scale.hole, kBorder.far * scale.spacing);
+  scale.hole = std::max(scale.hole, kTrim.sail * scale.spacing);
   const double sure = kTrim.known - 0.5 * scale.hole;
   if (sure <= 0.0) return false;
   const KnownRegion region(surface_.degree[i], surface_.coefficientsOf(i), sure);
   raster_.findGaps(points_, region, scale, places_);
+  if (places_.empty()) return false;
+  raster_.findRims(points_, places_, rims_);
+  const double unit = 1.0 / (scale.spacing * surface_.radius[i]);
+  for (const std::uint32_t k : rims_)
+    ratios_[k] =
+        std::max(ratios_[k], static_cast<float>(unit * local_spacing_.at(points_.index[k])));
+  raster_.coverSparse(points_, ratios_, places_);
   return !places_.empty();
 }
 
@@ -173,15 +177,36 @@ int TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits) {
   if (!surface_.isLeaf(i)) least = 2.0 / (kTrim.internal_side - 1);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, kTrim.growth * spacing};
-  // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty
-  // often.
-  const double sure = kTrim.known - 0.5 * scale.hole;
-  if (sure <= 0.0) return 0;
-  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, places_);
+  const KnownRegion known(surface_.degree[i], c, kTrim.known);
+  raster_.findGaps(points_, known, scale, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  if (!dataEndAtGaps(i, spacing) && !hasSail(i, scale)) return 0;
-  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, kTrim.known));
+  findRatios(i, spacing);
+  raster_.coverSparse(points_, ratios_, places_);
+  if (places_.empty()) return 0;
+  const bool bo = dataEndAtGaps(), sa = !bo && hasSail(i, scale);
+  if (getenv("TRIMDBG") && surface_.isLeaf(i))
+    fprintf(stderr, "%s\n", bo ? "border" : sa ? "sail" : "closed");
+  if (getenv("TRIMDBG3") && surface_.isLeaf(i) && !bo) {
+    const double u = store_.scale();
+    int in9 = 0, fl = 0;
+    for (auto k : rims_) {
+      const float U = points_.u[k], V = points_.v[k], W = points_.w[k];
+      bool b = border_.isBorder(points_.index[k]);
+      fl += b;
+      in9 += U * U + V * V + W * W < .81f;
+      if (places_.size() > 30)
+        fprintf(stderr, "   rim %.2f %.2f border %d ratio %.2f at %.2f\n", U, V, b, ratios_[k],
+                u * local_spacing_.at(points_.index[k]));
+    }
+    fprintf(stderr,
+            "leaf %zu at %.2f %.2f r %.2f places %zu rims %zu in9 %d flagged %d spacing %.3f\n", i,
+            u * surface_.cx[i] + store_.origin()[0], u * surface_.cy[i] + store_.origin()[1],
+            u * surface_.radius[i], places_.size(), rims_.size(), in9, fl,
+            u * spacing * surface_.radius[i]);
+  }
+  if (!bo && !sa) return 0;
+  raster_.measureDepths(points_, known);
   const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
   if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
   return appendMap(spacing, bits);
@@ -205,11 +230,13 @@ constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no resu
 std::uint64_t makeTrimMaps(const PointStore& store, const FitPlan& plan, const FitParams& params,
                            int threads, SLIMSurface& surface) {
   if (!params.trim || params.paper_mode) return 0;
+  LocalSpacing spacing(store, std::sqrt(plan.noise));
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
   makers.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t)
-    makers.push_back(std::make_unique<TrimMaker>(store, plan, params.hole_size, surface, borders));
+    makers.push_back(std::make_unique<TrimMaker>(store, plan, params.hole_size,
+                                                 params.sharp_features, surface, spacing, borders));
   std::vector<std::uint8_t> sides(surface.size());
   std::vector<std::vector<std::uint8_t>> runs((surface.size() + kRun - 1) / kRun);
   parallelFor(runs.size(), threads, 1, [&](std::size_t run, int thread) {

@@ -101,10 +101,12 @@ constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three wor
 constexpr int kMostWords = 3;
 constexpr std::size_t kFewPlaces = 128;  ///< fewer are looked at one by one
 constexpr std::size_t kFewPoints =
-    256;                        ///< all gaps of fewer points are measured together; only for speed
-constexpr int kLanes = 16;      ///< columns that loops take together
-constexpr int kMostDepth = 4;   ///< cells: beyond, depths decide nothing
-constexpr int kMostHeight = 8;  ///< cells: likewise outside
+    256;  ///< all gaps of fewer points are measured together; only for speed
+constexpr double kSparser = 1.25;  ///< ratio of spacings between discs of sparse points
+constexpr int kMostSparse = 12;    ///< such steps
+constexpr int kLanes = 16;         ///< columns that loops take together
+constexpr int kMostDepth = 4;      ///< cells: beyond, depths decide nothing
+constexpr int kMostHeight = 8;     ///< cells: likewise outside
 
 constexpr std::uint16_t kBits[kLanes] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
                                          1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
@@ -158,13 +160,15 @@ void addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::i
 }  // namespace
 
 /** Half widths, in parts of a cell, of the rows of a disc: for each place of its middle in a cell,
- * the span rows, the first rows below the middle's; -1 where the disc has none. */
-void TrimRaster::cutDisc(int rows, int span) {
+ * all rows, the first disc_rows_ below the middle's; -1 where the disc has none. */
+void TrimRaster::cutDisc(double reach) {
+  disc_rows_ = static_cast<int>(std::ceil(reach));
+  const int span = 2 * disc_rows_ + 2;
   run_halves_.resize(static_cast<std::size_t>(kFine * span));
   for (int k = 0; k < kFine * span; ++k) {
     const int part = k / span;
-    const double up = k % span - rows - static_cast<double>(part) / kFine;
-    const double half_sq = reach_ * reach_ - up * up;
+    const double up = k % span - disc_rows_ - static_cast<double>(part) / kFine;
+    const double half_sq = reach * reach - up * up;
     run_halves_[static_cast<std::size_t>(k)] =
         half_sq < 0.0 ? -1 : static_cast<int>(kFine * std::sqrt(half_sq));
   }
@@ -212,18 +216,14 @@ void TrimRaster::markEmptyDiscs(const SheetPoints& points) {
   }
 }
 
-/** Sets, in near_gaps_, the cells at most a reach from uncovered ones, along rows and across. */
-void TrimRaster::markNearGaps(int reach) {
-  const std::size_t words = covered_.wordsPerRow();
-  scratch_bits_.reset(side_);
+/** Sets, in near_gaps_, the cells at most a reach from those set, along rows and across. */
+void TrimRaster::markNear(const BitRows& cells, int reach) {
+  const std::size_t words = cells.wordsPerRow();
+  std::uint64_t row[kMostWords] = {};
   near_gaps_.reset(side_);
   for (int y = 0; y < side_; ++y) {
-    std::uint64_t* row = scratch_bits_.row(y);
-    std::uint64_t any = 0;
-    std::copy_n(covered_.row(y), words, row);
-    row[words - 1] |= ~covered_.inLastWord();
-    for (std::size_t w = 0; w < words; ++w) any |= row[w] = ~row[w];
-    if (any == 0) continue;
+    std::copy_n(cells.row(y), words, row);
+    if (std::all_of(row, row + words, [](std::uint64_t word) { return word == 0; })) continue;
     for (int k = 0; k < reach; ++k) widenRow(row, words);
     for (int to = std::max(0, y - reach); to <= std::min(side_ - 1, y + reach); ++to) {
       for (std::size_t w = 0; w < words; ++w) near_gaps_.row(to)[w] |= row[w];
@@ -231,27 +231,84 @@ void TrimRaster::markNearGaps(int reach) {
   }
 }
 
-/** Covers the places that points are nearer to than the reach: each point, if it is near any left,
- * a run of cells in each row. */
+/** Likewise from uncovered cells. */
+void TrimRaster::markNearGaps(int reach) {
+  const std::size_t words = covered_.wordsPerRow();
+  scratch_bits_.reset(side_);
+  for (int y = 0; y < side_; ++y) {
+    std::uint64_t* row = scratch_bits_.row(y);
+    for (std::size_t w = 0; w < words; ++w) row[w] = ~covered_.row(y)[w];
+    row[words - 1] &= covered_.inLastWord();
+  }
+  markNear(scratch_bits_, reach);
+}
+
+void TrimRaster::findRims(const SheetPoints& points,
+                          const std::vector<std::array<double, 2>>& places,
+                          std::vector<std::uint32_t>& rims) {
+  const auto per_unit = static_cast<float>(1.0 / cell_);
+  const float middle = static_cast<float>(half_) + 0.5f;
+  const auto cellOf = [&](float value) { return static_cast<int>(value * per_unit + middle); };
+  scratch_bits_.reset(side_);
+  for (const auto& [u, v] : places)
+    scratch_bits_.set(cellOf(static_cast<float>(u)), cellOf(static_cast<float>(v)));
+  markNear(scratch_bits_, static_cast<int>(std::ceil(reach_)) + 1);
+  rims.clear();
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (near_gaps_.has(cellOf(points.u[i]), cellOf(points.v[i])))
+      rims.push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+/** Covers the places of the disc of cutDisc() about a point, a run of cells in each row.
+ * \param[in] x,y of the point, in parts of a cell */
+void TrimRaster::coverDisc(int x, int y) {
+  const int span = 2 * disc_rows_ + 2;
+  const int* halves = run_halves_.data() + (y % kFine) * span;
+  const int first_row = y / kFine - disc_rows_;
+  for (int k = std::max(0, -first_row); k < std::min(span, side_ - first_row); ++k) {
+    if (halves[k] < 0) continue;
+    const int first = std::max(0, x - halves[k] + kFine - 1) / kFine;
+    const int last = std::min(side_ - 1, (x + halves[k]) / kFine);
+    if (first <= last) covered_.setRun(first_row + k, first, last);
+  }
+}
+
+/** Covers the places that points are nearer to than the reach, where any are left. */
 void TrimRaster::coverGaps(const SheetPoints& points) {
-  const int rows = static_cast<int>(std::ceil(reach_)), span = 2 * rows + 2;
-  markNearGaps(rows + 1);
-  cutDisc(rows, span);
+  cutDisc(reach_);
+  markNearGaps(disc_rows_ + 1);
   const auto per_unit = static_cast<float>(kFine / cell_);
   const float middle = static_cast<float>(kFine * half_) + 0.5f;
   for (std::size_t i = 0; i < points.count; ++i) {
     const int x = static_cast<int>(points.u[i] * per_unit + middle);
     const int y = static_cast<int>(points.v[i] * per_unit + middle);
-    if (!near_gaps_.has(x / kFine, y / kFine)) continue;
-    const int* halves = run_halves_.data() + (y % kFine) * span;
-    const int first_row = y / kFine - rows;
-    for (int k = std::max(0, -first_row); k < std::min(span, side_ - first_row); ++k) {
-      if (halves[k] < 0) continue;
-      const int first = std::max(0, x - halves[k] + kFine - 1) / kFine;
-      const int last = std::min(side_ - 1, (x + halves[k]) / kFine);
-      if (first <= last) covered_.setRun(first_row + k, first, last);
+    if (near_gaps_.has(x / kFine, y / kFine)) coverDisc(x, y);
+  }
+}
+
+void TrimRaster::coverSparse(const SheetPoints& points, const std::vector<float>& ratios,
+                             std::vector<std::array<double, 2>>& places) {
+  const auto per_unit = static_cast<float>(kFine / cell_);
+  const float middle = static_cast<float>(kFine * half_) + 0.5f;
+  for (int k = 1; k <= kMostSparse; ++k) {
+    const double least = std::pow(kSparser, k), most = k < kMostSparse ? kSparser * least : 1e9;
+    bool is_cut = false;
+    for (std::size_t i = 0; i < points.count; ++i) {
+      if (ratios[i] < least || ratios[i] >= most) continue;
+      if (!is_cut) cutDisc(least * reach_);
+      is_cut = true;
+      coverDisc(static_cast<int>(points.u[i] * per_unit + middle),
+                static_cast<int>(points.v[i] * per_unit + middle));
     }
   }
+  const auto isCovered = [&](const std::array<double, 2>& place) {
+    const auto cellOf = [&](double at) {
+      return static_cast<int>(std::lround(at / cell_)) + half_;
+    };
+    return covered_.has(cellOf(place[0]), cellOf(place[1]));
+  };
+  places.erase(std::remove_if(places.begin(), places.end(), isCovered), places.end());
 }
 
 /** The cells that are neither covered nor unsure. */

@@ -90,7 +90,7 @@ struct PCL_SLIM_EXPORT FitParams {
   /// make trim maps, which end the surface where the data end or leave holes; never with paper_mode
   bool trim = true;
   /// with it: diameter of the smallest hole kept, in spacings of the points, 2 to 50
-  double hole_size = 4.0;
+  double hole_size = 5.0;
   /// without normals and viewpoint: give points sides before the cover where balls would meet both
   /// sides of thin parts
   bool sides = true;
