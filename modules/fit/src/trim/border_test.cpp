@@ -188,8 +188,8 @@ bool BorderTest::isFreeTurned(SweepPlane plane, double reach, double spacing) {
   return true;
 }
 
-/** The spacing in the half disc about a gathered offset from which a direction points away, of its
- * nearest points of the place's sheet. */
+/** The spacing in the half disc, within a reach, that is on a direction's side of a gathered offset:
+ * of its nearest points of the place's sheet. */
 double BorderTest::halfSpacing(const Vector3& from, const Vector3& direction, double reach) {
   squares_.clear();
   for (std::size_t i = 0; i < near_.count; ++i) {
@@ -205,29 +205,40 @@ double BorderTest::halfSpacing(const Vector3& from, const Vector3& direction, do
   return std::sqrt(M_PI / 2 * reach_sq / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
+/** Gathers the points about a place that may be of a sheet; those of other sides count near it. */
+void BorderTest::gatherSheet(const Vector3& place, double reach, const SweepPlane& plane) {
+  gather(place, reach);
+  if (plane.slope < 0) return;
+  for (std::size_t i = 0; i < near_.count; ++i) {
+    const double height = dot({near_.x[i], near_.y[i], near_.z[i]}, plane.axes[2]) - plane.height;
+    const double beside = std::abs(height) - plane.window;
+    if (beside <= plane.slope * std::sqrt(near_.distance_sq[i])) near_.own[i] = 1.0f;
+  }
+}
+
 /** The spacing on either side of a border point, the larger one: behind it, and beyond the nearest
  * point ahead of it unless that is far. */
-double BorderTest::spacingAround(const Vector3& place, const SweepPlane& plane,
-                                 const Vector3& direction, double spacing) {
-  const double far = constants_.across * spacing, reach = 2 * far;
-  gather(place, reach);
+double BorderTest::spacingAround(const Vector3& place, SweepPlane plane, const Vector3& direction,
+                                 double spacing) {
+  const double far = constants_.across * spacing;
+  gatherSheet(place, far, plane);
   double next_sq = far * far;
   Vector3 next{};
   for (std::size_t i = 0; i < near_.count; ++i) {
     const Vector3 offset{near_.x[i], near_.y[i], near_.z[i]};
     const double distance_sq = near_.distance_sq[i], ahead = dot(offset, direction);
-    const double beside =
-        std::abs(dot(offset, plane.axes[2]) - plane.height) - constants_.window * noise_;
-    if (beside <= plane.slope * std::sqrt(distance_sq)) near_.own[i] = 1.0f;
     if (near_.own[i] == 0.0f || ahead <= 0 || 4 * ahead * ahead <= distance_sq) continue;
     if (distance_sq >= next_sq || distance_sq <= 4 * spacing * spacing) continue;
-    if (beside >= 0.7 * ahead) continue;
+    const double height = dot(offset, plane.axes[2]) - plane.height;
+    if (std::abs(height) - plane.window >= constants_.ahead_slope * ahead) continue;
     next_sq = distance_sq;
     next = offset;
   }
-  const double behind = halfSpacing({}, scaled(direction, -1), reach);
+  const double behind = halfSpacing({}, scaled(direction, -1), far);
   if (next_sq == far * far) return behind;
-  return std::max(behind, halfSpacing(next, direction, far));
+  plane.height -= dot(next, plane.axes[2]);
+  gatherSheet(along(place, 1, next), far, plane);
+  return std::max(behind, halfSpacing({}, direction, far));
 }
 
 /** kInside, or the direction away from the data, packed. */
@@ -259,7 +270,14 @@ std::uint32_t BorderTest::measure(std::size_t point) {
     rim.axes = {direction, cross(plane.axes[2], direction), plane.axes[2]};
     if (!isFreeTurned(rim, reach, spacing)) return kInside;
     const double around = spacingAround(place, plane, direction, spacing);
-    if (around < constants_.step * spacing) break;
+    if (around < constants_.step * spacing) {
+      if (around <= spacing) break;
+      const double wider = 0.5 * hole_size_ * (spacing + around);
+      gather(place, std::hypot(wider, plane_noise));
+      kernels::findBlocked(plane, wider, kCoincident * spacing, near_);
+      if (!findFree(wider, &middle)) return kInside;
+      break;
+    }
     spacing = around;
   }
   return packed(direction);
