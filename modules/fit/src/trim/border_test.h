@@ -25,8 +25,8 @@ struct BorderConstants {
   double ahead_slope = 0.7;     ///< greatest height of points ahead over their distance
   double across = 16.0;         ///< [spacing] the nearest point ahead is looked for up to this
   double step = 1.6;            ///< ratio of spacings across a gap from which the larger one counts
-  double partner = 1.5;         ///< [disc's radius + RMS noise] another border point is within
-  double partner_cosine = 0.3;  ///< least cosine between the directions of both
+  double partner = 2.0;         ///< [disc's radius + RMS noise] another border point is within
+  double partner_cosine = 0.0;  ///< least cosine between the directions of both
 };
 
 /** \brief Points around a place as columns, in local units, padded with zeros to whole vectors. */

@@ -207,14 +207,14 @@ class TrimRaster {
   void findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
                 std::vector<std::array<double, 2>>& places);
 
-  /** \brief Drops the places that findGaps() found and wider discs about sparse points cover.
-   * \param[in] ratios of the points' spacings to the scale's. O(points times rows of discs). */
-  void coverSparse(const SheetPoints& points, const std::vector<float>& ratios,
-                   std::vector<std::array<double, 2>>& places);
-
   /** \brief Lists the points at the rims of places that findGaps() found. O(points + places). */
   void findRims(const SheetPoints& points, const std::vector<std::array<double, 2>>& places,
                 std::vector<std::uint32_t>& rims);
+
+  /** \brief Drops the places that findGaps() found and wider discs about points at their rims
+   * cover. \param[in] ratios of these points' spacings to the scale's. O(rims times rows of discs). */
+  void coverSparse(const SheetPoints& points, const std::vector<std::uint32_t>& rims,
+                   const std::vector<float>& ratios, std::vector<std::array<double, 2>>& places);
 
   /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as
    * covered. O(points + cells). */

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -17,17 +18,22 @@ namespace {
 
 constexpr BorderConstants kBorder;
 
+/** For each block of points, whether a leaf ends at one of them. */
+using OpenBlocks = std::vector<std::atomic<std::uint8_t>>;
+
 /** \brief Makes the trim maps of one surface's surfels, one after another. One per thread: it keeps
  * its memory. */
 class TrimMaker {
  public:
   TrimMaker(const PointStore& store, const FitPlan& plan, double hole_size, bool edges_end,
-            const SLIMSurface& surface, LocalSpacing& local_spacing, PointBorders& borders)
+            const SLIMSurface& surface, LocalSpacing& local_spacing, OpenBlocks& open_blocks,
+            PointBorders& borders)
       : store_(store),
         plan_(plan),
         hole_size_(hole_size),
         surface_(surface),
         local_spacing_(local_spacing),
+        open_blocks_(open_blocks),
         border_(store, kBorder, std::sqrt(plan.noise), hole_size,
                 plan.with_normals ? plan.min_dot : -2.0f, edges_end, local_spacing, borders) {}
 
@@ -36,17 +42,20 @@ class TrimMaker {
   void prepare(std::size_t begin, std::size_t end);
 
   /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
-   * if it is closed. O(points of the ball). */
-  int make(std::size_t i, std::vector<std::uint8_t>& bits);
+   * if it is closed. \param[in] by_leaves the surfel is open where leaves that were made before are
+   * O(points of the ball). */
+  int make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bits);
 
   /** \brief Surfels with gaps so far. */
   std::uint64_t numCandidates() const { return candidates_; }
 
  private:
   kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
-  void gather(std::size_t i);
-  void findRatios(std::size_t i, double spacing);
+  void listBlocks(const kernels::CoverLeaf& surfel);
+  bool hasOpenBlock() const;
+  void gather(std::size_t i, const kernels::CoverLeaf& surfel);
   bool dataEndAtGaps();
+  void markOpen(std::uint32_t k);
   bool hasSail(std::size_t i, TrimScale scale);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
@@ -55,6 +64,7 @@ class TrimMaker {
   double hole_size_;
   const SLIMSurface& surface_;
   LocalSpacing& local_spacing_;
+  OpenBlocks& open_blocks_;
   BlockNeighborhood nearby_;  ///< of the surfels being made
   bool has_nearby_ = false;
   std::vector<std::uint32_t> found_;
@@ -64,7 +74,7 @@ class TrimMaker {
   BorderTest border_;
   std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
   std::vector<std::uint32_t> rims_;            ///< of gaps: points_
-  std::vector<float> ratios_;                  ///< of the points' spacings to the surfel's
+  std::vector<float> ratios_;                  ///< of their spacings to the surfel's
   std::uint64_t candidates_ = 0;
 };
 
@@ -99,9 +109,7 @@ kernels::CoverLeaf TrimMaker::wideSurfel(std::size_t i, const std::array<float, 
   return surfel;
 }
 
-void TrimMaker::gather(std::size_t i) {
-  const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
-  const kernels::CoverLeaf surfel = wideSurfel(i, normal);
+void TrimMaker::listBlocks(const kernels::CoverLeaf& surfel) {
   if (has_nearby_) {
     nearby_.blocksInBall(surfel.ball.center.data(), surfel.ball.radius, blocks_);
   } else {
@@ -109,6 +117,16 @@ void TrimMaker::gather(std::size_t i) {
     store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
     blocks_.assign(found_.begin(), found_.end());
   }
+}
+
+/** Whether a leaf with a block in the list is open. */
+bool TrimMaker::hasOpenBlock() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [&](std::uint32_t b) {
+    return open_blocks_[b].load(std::memory_order_relaxed) != 0;
+  });
+}
+
+void TrimMaker::gather(std::size_t i, const kernels::CoverLeaf& surfel) {
   if (!surface_.isLeaf(i) && blocks_.size() * PointStore::kBlock > kTrim.sampled) {
     sampleSheet(store_, blocks_, surfel, points_);
   } else {
@@ -132,27 +150,27 @@ void TrimMaker::prepare(std::size_t begin, std::size_t end) {
   if (has_nearby_) nearby_.collect(store_.tree(), low, high);
 }
 
-/** Ratios of the points' local spacings to the surfel's. */
-void TrimMaker::findRatios(std::size_t i, double spacing) {
-  const double unit = 1.0 / (spacing * surface_.radius[i]);
-  ratios_.resize(points_.count);
-  for (std::size_t k = 0; k < points_.count; ++k)
-    ratios_[k] =
-        static_cast<float>(unit * local_spacing_.of(points_.index[k] / PointStore::kBlock));
-}
-
 /** Whether the data end at a point next to a gap, in the part of the surfel that is drawn. */
 bool TrimMaker::dataEndAtGaps() {
   raster_.findRims(points_, places_, rims_);
   constexpr auto kMost = static_cast<float>(kTrim.looked_at * kTrim.looked_at);
-  return std::any_of(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
+  const auto border = std::find_if(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
     const float u = points_.u[k], v = points_.v[k], w = points_.w[k];
     return u * u + v * v + w * w < kMost && border_.isBorder(points_.index[k]);
   });
+  if (border == rims_.end()) return false;
+  markOpen(*border);
+  return true;
+}
+
+/** Makes the block of one of the gathered points known as open. */
+void TrimMaker::markOpen(std::uint32_t k) {
+  open_blocks_[points_.index[k] / PointStore::kBlock].store(1, std::memory_order_relaxed);
 }
 
 /** Whether the surfel's surface continues where its points turn away from it, over a disc too wide
- * to be a gap between them. If so, gaps are as wide as this disc: narrower ones remain closed. */
+ * to be a gap between them, also between those at its rim. If so, gaps are as wide as this disc:
+ * narrower ones remain closed. */
 bool TrimMaker::hasSail(std::size_t i, TrimScale scale) {
   scale.hole = std::max(scale.hole, kTrim.sail * scale.spacing);
   const double sure = kTrim.known - 0.5 * scale.hole;
@@ -161,16 +179,23 @@ bool TrimMaker::hasSail(std::size_t i, TrimScale scale) {
   raster_.findGaps(points_, region, scale, places_);
   if (places_.empty()) return false;
   raster_.findRims(points_, places_, rims_);
+  ratios_.resize(rims_.size());
   const double unit = 1.0 / (scale.spacing * surface_.radius[i]);
-  for (const std::uint32_t k : rims_)
-    ratios_[k] =
-        std::max(ratios_[k], static_cast<float>(unit * local_spacing_.at(points_.index[k])));
-  raster_.coverSparse(points_, ratios_, places_);
-  return !places_.empty();
+  std::transform(rims_.begin(), rims_.end(), ratios_.begin(), [&](std::uint32_t k) {
+    return static_cast<float>(unit * local_spacing_.at(points_.index[k]));
+  });
+  raster_.coverSparse(points_, rims_, ratios_, places_);
+  if (places_.empty()) return false;
+  for (const std::uint32_t k : rims_) markOpen(k);
+  return true;
 }
 
-int TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits) {
-  gather(i);
+int TrimMaker::make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bits) {
+  const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
+  const kernels::CoverLeaf surfel = wideSurfel(i, normal);
+  listBlocks(surfel);
+  if (by_leaves && !hasOpenBlock()) return 0;
+  gather(i, surfel);
   const float* c = surface_.coefficientsOf(i);
   // The finest map has a node a spacing, the coarsest five a side.
   double least = 2.0 / (TrimMap::kMostSide - 1);
@@ -181,31 +206,7 @@ int TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits) {
   raster_.findGaps(points_, known, scale, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  findRatios(i, spacing);
-  raster_.coverSparse(points_, ratios_, places_);
-  if (places_.empty()) return 0;
-  const bool bo = dataEndAtGaps(), sa = !bo && hasSail(i, scale);
-  if (getenv("TRIMDBG") && surface_.isLeaf(i))
-    fprintf(stderr, "%s\n", bo ? "border" : sa ? "sail" : "closed");
-  if (getenv("TRIMDBG3") && surface_.isLeaf(i) && !bo) {
-    const double u = store_.scale();
-    int in9 = 0, fl = 0;
-    for (auto k : rims_) {
-      const float U = points_.u[k], V = points_.v[k], W = points_.w[k];
-      bool b = border_.isBorder(points_.index[k]);
-      fl += b;
-      in9 += U * U + V * V + W * W < .81f;
-      if (places_.size() > 30)
-        fprintf(stderr, "   rim %.2f %.2f border %d ratio %.2f at %.2f\n", U, V, b, ratios_[k],
-                u * local_spacing_.at(points_.index[k]));
-    }
-    fprintf(stderr,
-            "leaf %zu at %.2f %.2f r %.2f places %zu rims %zu in9 %d flagged %d spacing %.3f\n", i,
-            u * surface_.cx[i] + store_.origin()[0], u * surface_.cy[i] + store_.origin()[1],
-            u * surface_.radius[i], places_.size(), rims_.size(), in9, fl,
-            u * spacing * surface_.radius[i]);
-  }
-  if (!bo && !sa) return 0;
+  if (!by_leaves && !dataEndAtGaps() && !hasSail(i, scale)) return 0;
   raster_.measureDepths(points_, known);
   const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
   if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
@@ -232,24 +233,38 @@ std::uint64_t makeTrimMaps(const PointStore& store, const FitPlan& plan, const F
   if (!params.trim || params.paper_mode) return 0;
   LocalSpacing spacing(store, std::sqrt(plan.noise));
   PointBorders borders(store.size());
+  OpenBlocks open(store.numBlocks());
   std::vector<std::unique_ptr<TrimMaker>> makers;
   makers.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t)
-    makers.push_back(std::make_unique<TrimMaker>(store, plan, params.hole_size,
-                                                 params.sharp_features, surface, spacing, borders));
+    makers.push_back(std::make_unique<TrimMaker>(
+        store, plan, params.hole_size, params.sharp_features, surface, spacing, open, borders));
   std::vector<std::uint8_t> sides(surface.size());
-  std::vector<std::vector<std::uint8_t>> runs((surface.size() + kRun - 1) / kRun);
-  parallelFor(runs.size(), threads, 1, [&](std::size_t run, int thread) {
-    const std::size_t end = std::min(surface.size(), (run + 1) * kRun);
-    TrimMaker& maker = *makers[static_cast<std::size_t>(thread)];
-    maker.prepare(run * kRun, end);
-    for (std::size_t i = run * kRun; i < end; ++i) {
-      const int side = maker.make(i, runs[run]);
-      sides[i] = static_cast<std::uint8_t>(side);
-    }
-  });
+  // Internal surfels know from the leaves, which are made first, where the data end.
+  const std::size_t leaves = surface.numLeaves(), count = (surface.size() + kRun - 1) / kRun;
+  std::array<std::vector<std::vector<std::uint8_t>>, 2> runs;
+  for (const bool leaf : {true, false}) {
+    runs[leaf].resize(count);
+    parallelFor(count, threads, 1, [&](std::size_t run, int thread) {
+      const std::size_t begin = run * kRun, end = std::min(surface.size(), begin + kRun);
+      TrimMaker& maker = *makers[static_cast<std::size_t>(thread)];
+      maker.prepare(begin, end);
+      for (std::size_t i = begin; i < end; ++i) {
+        if (surface.isLeaf(i) != leaf) continue;
+        sides[i] = static_cast<std::uint8_t>(maker.make(i, !leaf && leaves > 0, runs[leaf][run]));
+      }
+    });
+  }
   std::vector<std::uint8_t> bits;
-  for (const auto& run : runs) bits.insert(bits.end(), run.begin(), run.end());
+  for (std::size_t run = 0; run < count; ++run) {
+    std::array<const std::uint8_t*, 2> next{runs[0][run].data(), runs[1][run].data()};
+    for (std::size_t i = run * kRun; i < std::min(surface.size(), (run + 1) * kRun); ++i) {
+      if (sides[i] == 0) continue;
+      const std::uint8_t*& from = next[surface.isLeaf(i)];
+      bits.insert(bits.end(), from, from + TrimMap::numBytes(sides[i]));
+      from += TrimMap::numBytes(sides[i]);
+    }
+  }
   surface.setTrimMaps(sides, bits);
   std::uint64_t candidates = 0;
   for (const auto& maker : makers) candidates += maker->numCandidates();

@@ -287,19 +287,20 @@ void TrimRaster::coverGaps(const SheetPoints& points) {
   }
 }
 
-void TrimRaster::coverSparse(const SheetPoints& points, const std::vector<float>& ratios,
+void TrimRaster::coverSparse(const SheetPoints& points, const std::vector<std::uint32_t>& rims,
+                             const std::vector<float>& ratios,
                              std::vector<std::array<double, 2>>& places) {
   const auto per_unit = static_cast<float>(kFine / cell_);
   const float middle = static_cast<float>(kFine * half_) + 0.5f;
   for (int k = 1; k <= kMostSparse; ++k) {
     const double least = std::pow(kSparser, k), most = k < kMostSparse ? kSparser * least : 1e9;
     bool is_cut = false;
-    for (std::size_t i = 0; i < points.count; ++i) {
+    for (std::size_t i = 0; i < rims.size(); ++i) {
       if (ratios[i] < least || ratios[i] >= most) continue;
       if (!is_cut) cutDisc(least * reach_);
       is_cut = true;
-      coverDisc(static_cast<int>(points.u[i] * per_unit + middle),
-                static_cast<int>(points.v[i] * per_unit + middle));
+      coverDisc(static_cast<int>(points.u[rims[i]] * per_unit + middle),
+                static_cast<int>(points.v[rims[i]] * per_unit + middle));
     }
   }
   const auto isCovered = [&](const std::array<double, 2>& place) {
