@@ -239,6 +239,7 @@ class TrimRaster {
   void dropCovered(const SheetPoints& points, std::vector<std::array<double, 2>>& places) const;
   void cutDisc(double reach);
   void coverDisc(int x, int y);
+  bool hasGap() const;
   void listGaps(std::vector<std::array<double, 2>>& places) const;
   void findRowDistances(int cap);
   bool findDistances(int y, int cap, std::int16_t* distance_sq) const;

@@ -202,12 +202,13 @@ int TrimMaker::make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bi
   if (!surface_.isLeaf(i)) least = 2.0 / (kTrim.internal_side - 1);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, kTrim.growth * spacing};
-  const KnownRegion known(surface_.degree[i], c, kTrim.known);
-  raster_.findGaps(points_, known, scale, places_);
+  // The disc of a border point is empty up to its middle, and farther.
+  const double sure = std::min(kTrim.known, kTrim.looked_at + 0.5 * scale.hole);
+  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, places_);
   if (places_.empty()) return 0;
   ++candidates_;
   if (!by_leaves && !dataEndAtGaps() && !hasSail(i, scale)) return 0;
-  raster_.measureDepths(points_, known);
+  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, kTrim.known));
   const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
   if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
   return appendMap(spacing, bits);

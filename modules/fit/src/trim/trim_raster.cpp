@@ -338,17 +338,34 @@ void TrimRaster::dropCovered(const SheetPoints& points,
   places.erase(std::remove_if(places.begin(), places.end(), isCovered), places.end());
 }
 
+/** Whether a cell is neither covered nor unsure. */
+bool TrimRaster::hasGap() const {
+  const std::size_t words = covered_.wordsPerRow();
+  const std::uint64_t *covered = covered_.row(0), *unsure = unsure_.row(0);
+  std::uint64_t any = 0;
+  if (words == 1) {
+    for (std::size_t w = 0; w < covered_.numWords(); ++w) any |= ~(covered[w] | unsure[w]);
+    return (any & covered_.inLastWord()) != 0;
+  }
+  for (std::size_t w = 0; w < covered_.numWords(); ++w) {
+    const std::uint64_t in_row = (w + 1) % words == 0 ? covered_.inLastWord() : ~std::uint64_t{0};
+    any |= ~(covered[w] | unsure[w]) & in_row;
+  }
+  return any != 0;
+}
+
 void TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure,
                           const TrimScale& scale, std::vector<std::array<double, 2>>& places) {
+  places.clear();
   setScale(scale);
   markEmptyDiscs(points);
   covered_ = filled_;
   all_covered_ = points.count < kFewPoints;
   unsure_.reset(side_);
   sure.markBeyondCircle(cell_, half_, unsure_);
-  listGaps(places);
-  if (places.empty()) return;
+  if (!hasGap()) return;
   sure.markBeyond(cell_, half_, unsure_);
+  if (!hasGap()) return;
   listGaps(places);
   if (places.size() < kFewPlaces && !all_covered_) {
     dropCovered(points, places);
