@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pcl_slim/cloud/detail/block_kernels.h"
 
@@ -35,31 +36,38 @@ Vector3 unpacked(std::uint32_t bits) {
 }
 
 /** Number, and sums of x, y, z, xx, xy, xz, yy, yz, zz, of the place's own points within a distance,
- * in four columns, as every processor adds them. */
-std::array<double, 10> sumOffsets(const NearPoints& points, double reach) {
+ * in four columns, as every processor adds them. \param[in] numbers room for points */
+std::array<double, 10> sumOffsets(const NearPoints& points, double reach,
+                                  std::vector<std::uint32_t>& numbers) {
   constexpr std::size_t kColumns = 4;
   const auto limit = static_cast<float>(reach * reach);
-  double sums[10][kColumns] = {};
-  for (std::size_t i = 0; i < points.count; i += kColumns) {  // zeros pad the last columns
+  numbers.resize(points.count + kColumns);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    numbers[count] = static_cast<std::uint32_t>(i);
+    count += points.distance_sq[i] <= limit && points.own[i] != 0.0f;
+  }
+  std::fill_n(numbers.begin() + static_cast<std::ptrdiff_t>(count), kColumns,
+              static_cast<std::uint32_t>(points.count));  // zeros
+  double sums[9][kColumns] = {};
+  for (std::size_t i = 0; i < count; i += kColumns) {
     for (std::size_t k = 0; k < kColumns; ++k) {
-      const double counts = points.distance_sq[i + k] <= limit ? points.own[i + k] : 0.0f;
-      const double x = counts * points.x[i + k], y = counts * points.y[i + k],
-                   z = counts * points.z[i + k];
-      sums[0][k] += counts;
-      sums[1][k] += x;
-      sums[2][k] += y;
-      sums[3][k] += z;
-      sums[4][k] += x * x;
-      sums[5][k] += x * y;
-      sums[6][k] += x * z;
-      sums[7][k] += y * y;
-      sums[8][k] += y * z;
-      sums[9][k] += z * z;
+      const std::size_t at = numbers[i + k];
+      const double x = points.x[at], y = points.y[at], z = points.z[at];
+      sums[0][k] += x;
+      sums[1][k] += y;
+      sums[2][k] += z;
+      sums[3][k] += x * x;
+      sums[4][k] += x * y;
+      sums[5][k] += x * z;
+      sums[6][k] += y * y;
+      sums[7][k] += y * z;
+      sums[8][k] += z * z;
     }
   }
-  std::array<double, 10> totals;
-  for (std::size_t j = 0; j < 10; ++j)
-    totals[j] = (sums[j][0] + sums[j][1]) + (sums[j][2] + sums[j][3]);
+  std::array<double, 10> totals{static_cast<double>(count)};
+  for (std::size_t j = 0; j < 9; ++j)
+    totals[j + 1] = (sums[j][0] + sums[j][1]) + (sums[j][2] + sums[j][3]);
   return totals;
 }
 
@@ -134,7 +142,7 @@ bool BorderTest::hasPartner(std::size_t point, std::uint32_t flag) {
 /** The plane of least variance of the points around a place, and the sheet's height over it. */
 SweepPlane BorderTest::findPlane(double spacing) {
   const double reach = std::max(constants_.plane * spacing, constants_.plane_noise * noise_);
-  const std::array<double, 10> sums = sumOffsets(near_, reach);
+  const std::array<double, 10> sums = sumOffsets(near_, reach, numbers_);
   const double n = std::max(sums[0], 1.0);
   const Eigen::Vector3d mean = Eigen::Vector3d(sums[1], sums[2], sums[3]) / n;
   Eigen::Matrix3d moments;
@@ -188,27 +196,28 @@ bool BorderTest::isFreeTurned(SweepPlane plane, double reach, double spacing) {
   return true;
 }
 
-/** The spacing in the half disc, within a reach, that is on a direction's side of a gathered offset:
- * of its nearest points of the place's sheet. */
-double BorderTest::halfSpacing(const Vector3& from, const Vector3& direction, double reach) {
-  squares_.clear();
+/** The spacing on a direction's side of the place that points were gathered about, within a reach:
+ * of the nearest points of its sheet. \return 0 where there are fewer */
+double BorderTest::halfSpacing(const Vector3& direction, double reach) {
+  const auto x = static_cast<float>(direction[0]), y = static_cast<float>(direction[1]),
+             z = static_cast<float>(direction[2]);
+  squares_.resize(near_.count);
+  std::size_t count = 0;
   for (std::size_t i = 0; i < near_.count; ++i) {
-    if (near_.own[i] == 0.0f) continue;
-    const Vector3 offset = subtract({near_.x[i], near_.y[i], near_.z[i]}, from);
-    const double distance_sq = dot(offset, offset);
-    if (distance_sq < reach * reach && dot(offset, direction) > 0)
-      squares_.push_back(static_cast<float>(distance_sq));
+    squares_[count] = near_.distance_sq[i];
+    const bool ahead = x * near_.x[i] + y * near_.y[i] + z * near_.z[i] > 0;
+    count += ahead && near_.own[i] != 0.0f;
   }
-  double reach_sq = reach * reach;
-  const std::size_t count = std::min(squares_.size(), kAround);
-  if (count == kAround) reach_sq = kernels::kthSmallest(squares_.data(), squares_.size(), kAround);
-  return std::sqrt(M_PI / 2 * reach_sq / static_cast<double>(std::max<std::size_t>(count, 1)));
+  if (count < kAround) return 0;
+  const double reach_sq = kernels::kthSmallest(squares_.data(), count, kAround);
+  if (reach_sq > reach * reach) return 0;
+  return std::sqrt(M_PI / 2 * reach_sq / static_cast<double>(kAround));
 }
 
 /** Gathers the points about a place that may be of a sheet; those of other sides count near it. */
 void BorderTest::gatherSheet(const Vector3& place, double reach, const SweepPlane& plane) {
   gather(place, reach);
-  if (plane.slope < 0) return;
+  if (plane.slope < 0 || !(side_.min_dot > -1)) return;
   for (std::size_t i = 0; i < near_.count; ++i) {
     const double height = dot({near_.x[i], near_.y[i], near_.z[i]}, plane.axes[2]) - plane.height;
     const double beside = std::abs(height) - plane.window;
@@ -216,29 +225,51 @@ void BorderTest::gatherSheet(const Vector3& place, double reach, const SweepPlan
   }
 }
 
-/** The spacing on either side of a border point, the larger one: behind it, and beyond the nearest
- * point ahead of it unless that is far. */
-double BorderTest::spacingAround(const Vector3& place, SweepPlane plane, const Vector3& direction,
-                                 double spacing) {
-  const double far = constants_.across * spacing;
-  gatherSheet(place, far, plane);
-  double next_sq = far * far;
-  Vector3 next{};
+/** Finds the nearest of the gathered points ahead of a border point. \return whether there is one */
+bool BorderTest::findAhead(const SweepPlane& plane, const Vector3& direction, double spacing,
+                           Vector3* next) const {
+  double next_sq = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < near_.count; ++i) {
     const Vector3 offset{near_.x[i], near_.y[i], near_.z[i]};
     const double distance_sq = near_.distance_sq[i], ahead = dot(offset, direction);
-    if (near_.own[i] == 0.0f || ahead <= 0 || 4 * ahead * ahead <= distance_sq) continue;
+    if (ahead <= 0 || 4 * ahead * ahead <= distance_sq || near_.own[i] == 0.0f) continue;
     if (distance_sq >= next_sq || distance_sq <= 4 * spacing * spacing) continue;
     const double height = dot(offset, plane.axes[2]) - plane.height;
     if (std::abs(height) - plane.window >= constants_.ahead_slope * ahead) continue;
     next_sq = distance_sq;
-    next = offset;
+    *next = offset;
   }
-  const double behind = halfSpacing({}, scaled(direction, -1), far);
-  if (next_sq == far * far) return behind;
+  return next_sq < std::numeric_limits<double>::max();
+}
+
+/** The spacing on either side of a border point, the larger one: behind it, and beyond the nearest
+ * point ahead of it unless that is far. Most are found within a hole's diameter. */
+double BorderTest::spacingAround(const Vector3& place, SweepPlane plane, const Vector3& direction,
+                                 double spacing) {
+  const double near = hole_size_ * spacing, far = std::max(near, constants_.across * spacing);
+  // Where there are few points, as on a strip: as if the half disc of radius far were theirs.
+  const double sparse = far * std::sqrt(M_PI / 2 / static_cast<double>(kAround));
+  const auto orSparse = [&](double found) { return found > 0 ? found : sparse; };
+  const Vector3 back = scaled(direction, -1);
+  gatherSheet(place, near, plane);
+  double behind = halfSpacing(back, near);
+  Vector3 next{};
+  bool is_ahead = findAhead(plane, direction, spacing, &next);
+  if (behind == 0 || !is_ahead) {
+    gatherSheet(place, far, plane);
+    if (behind == 0) behind = orSparse(halfSpacing(back, far));
+    if (!is_ahead) is_ahead = findAhead(plane, direction, spacing, &next);
+  }
+  if (!is_ahead) return behind;
+  const Vector3 other = along(place, 1, next);
   plane.height -= dot(next, plane.axes[2]);
-  gatherSheet(along(place, 1, next), far, plane);
-  return std::max(behind, halfSpacing({}, direction, far));
+  gatherSheet(other, near, plane);
+  double beyond = halfSpacing(direction, near);
+  if (beyond == 0) {
+    gatherSheet(other, far, plane);
+    beyond = orSparse(halfSpacing(direction, far));
+  }
+  return std::max(behind, beyond);
 }
 
 /** kInside, or the direction away from the data, packed. */

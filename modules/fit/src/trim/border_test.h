@@ -116,7 +116,9 @@ class BorderTest {
   SweepPlane findPlane(double spacing);
   bool findFree(double reach, double* middle);
   bool isFreeTurned(SweepPlane plane, double reach, double spacing);
-  double halfSpacing(const Vector3& from, const Vector3& direction, double reach);
+  double halfSpacing(const Vector3& direction, double reach);
+  bool findAhead(const SweepPlane& plane, const Vector3& direction, double spacing,
+                 Vector3* next) const;
   void gatherSheet(const Vector3& place, double reach, const SweepPlane& plane);
   double spacingAround(const Vector3& place, SweepPlane plane, const Vector3& direction,
                        double spacing);
@@ -128,7 +130,7 @@ class BorderTest {
   PlaceSide side_;  ///< of the point at hand
   LocalSpacing& spacing_;
   PointBorders& borders_;
-  std::vector<std::uint32_t> blocks_;
+  std::vector<std::uint32_t> blocks_, numbers_;
   NearPoints near_;
   std::vector<float> squares_;
 };
