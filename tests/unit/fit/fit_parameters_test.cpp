@@ -93,7 +93,7 @@ TEST(FitParameters, WithoutEffect) {
   FitParams params;
   params.sides = false;
   params.trim = false;
-  params.hole_size = 5;
+  params.hole_size = 6;
   FitStatistics fit;
   EXPECT_TRUE(idleParameters(params, fit).empty());
   fit.sides.source = SideSource::kNormals;
