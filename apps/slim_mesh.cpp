@@ -18,7 +18,7 @@ namespace {
 using namespace pcl_slim;
 
 constexpr std::uint64_t kMany = 1000000000000000000u;
-constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that a fit may and does keep
+constexpr double kLeastHole = 2, kUsualHole = 5;  ///< spacings that a fit may and does keep
 
 struct Settings {
   ScanFiles files;
