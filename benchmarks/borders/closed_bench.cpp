@@ -173,7 +173,8 @@ int main(int argc, char** argv) {
   Settings s;
   s.fit.threads = 1;
   OptionTable table("closed_bench", "", "Leaves of closed bodies that trim maps open.");
-  table.text("bodies", &s.bodies, "LIST", "sphere, torus, bumpy, ellipsoid, amphora");
+  table.text("bodies", &s.bodies, "LIST",
+             "sphere, torus, bumpy, ellipsoid, amphora, cube, slab, wedge");
   table.text("spreads", &s.spreads, "LIST", "random, blue, uneven, step");
   table.text("points", &s.points, "LIST", "numbers of points");
   table.text("noise", &s.noise, "LIST", "noise, shares of the diagonal");

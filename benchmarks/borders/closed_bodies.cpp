@@ -51,15 +51,74 @@ Point amphoraGradient(const Point& p) {
   return gradient;
 }
 
+/** A prism along y over a convex polygon in x and z: what edges and corners are like. */
+class Prism {
+ public:
+  explicit Prism(Body body) {
+    switch (body) {
+      case Body::kSlab: corners_ = {{-0.9, -0.04}, {0.9, -0.04}, {0.9, 0.04}, {-0.9, 0.04}}; break;
+      case Body::kWedge: corners_ = {{-0.9, 0}, {0.9, 0}, {0.9, 1.04}}; break;  // 30 degrees
+      default: corners_ = {{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}};
+    }
+  }
+
+  /** A place of the surface. \param[in] unit draws from [0, 1) */
+  template <typename Unit>
+  Point draw(const Unit& unit) const {
+    const std::size_t n = corners_.size();
+    double sides = 0, base = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      sides += 2 * kHalfLength * lengthOf(k);
+      base += fanAreaOf(k);
+    }
+    double at = (sides + 2 * base) * unit();
+    for (std::size_t k = 0; k < n; at -= 2 * kHalfLength * lengthOf(k), ++k) {
+      if (at >= 2 * kHalfLength * lengthOf(k)) continue;
+      const auto &a = corners_[k], &b = corners_[(k + 1) % n];
+      const double t = unit(), y = kHalfLength * (2 * unit() - 1);
+      return {a[0] + t * (b[0] - a[0]), y, a[1] + t * (b[1] - a[1])};
+    }
+    const double y = at < base ? kHalfLength : -kHalfLength;
+    double in_fan = std::fmod(at, base);
+    std::size_t k = 1;
+    while (k + 2 < n && in_fan >= fanAreaOf(k)) in_fan -= fanAreaOf(k++);
+    double s = unit(), t = unit();
+    if (s + t > 1) {
+      s = 1 - s;
+      t = 1 - t;
+    }
+    const auto &o = corners_[0], &a = corners_[k], &b = corners_[k + 1];
+    return {o[0] + s * (a[0] - o[0]) + t * (b[0] - o[0]), y,
+            o[1] + s * (a[1] - o[1]) + t * (b[1] - o[1])};
+  }
+
+ private:
+  static constexpr double kHalfLength = 0.9;
+
+  double lengthOf(std::size_t k) const {
+    const auto &a = corners_[k], &b = corners_[(k + 1) % corners_.size()];
+    return std::hypot(b[0] - a[0], b[1] - a[1]);
+  }
+
+  /** Of the triangle of the first corner and side k, 0 where they touch. */
+  double fanAreaOf(std::size_t k) const {
+    const auto &o = corners_[0], &a = corners_[k], &b = corners_[(k + 1) % corners_.size()];
+    return 0.5 * std::abs((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]));
+  }
+
+  std::vector<std::array<double, 2>> corners_;
+};
+
 /** Candidates evenly spread over a body. */
 class Sampler {
  public:
-  Sampler(Body body, std::uint64_t seed) : body_(body), random_(seed) {}
+  Sampler(Body body, std::uint64_t seed) : body_(body), prism_(body), random_(seed) {}
 
   double unit() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
   double gauss() { return gauss_(random_); }
 
   Point draw() {
+    if (body_ >= Body::kCube) return prism_.draw([this] { return unit(); });
     if (body_ == Body::kEllipsoid) return ellipsoid();
     return body_ == Body::kAmphora ? amphora() : exact();
   }
@@ -119,6 +178,7 @@ class Sampler {
   }
 
   Body body_;
+  Prism prism_;
   std::mt19937_64 random_;
   std::normal_distribution<double> gauss_;
   Scene batch_;
@@ -181,7 +241,8 @@ std::vector<Point> blueSpread(Body body, std::size_t count, std::uint64_t seed) 
 }  // namespace
 
 bool parseBody(const std::string& name, Body& body) {
-  static const char* const kNames[] = {"sphere", "torus", "bumpy", "ellipsoid", "amphora"};
+  static const char* const kNames[] = {"sphere",  "torus", "bumpy", "ellipsoid",
+                                       "amphora", "cube",  "slab",  "wedge"};
   const auto* found = std::find(std::begin(kNames), std::end(kNames), name);
   if (found == std::end(kNames)) return false;
   body = static_cast<Body>(found - std::begin(kNames));

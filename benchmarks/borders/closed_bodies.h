@@ -9,7 +9,7 @@
 /** \brief Points of closed bodies, which have no border anywhere. Scene units. */
 namespace pcl_slim::measure {
 
-enum class Body { kSphere, kTorus, kBumpy, kEllipsoid, kAmphora };
+enum class Body { kSphere, kTorus, kBumpy, kEllipsoid, kAmphora, kCube, kSlab, kWedge };
 
 /** \brief How points are spread over a body. */
 enum class Spread {
@@ -19,8 +19,8 @@ enum class Spread {
   kStep     ///< each on its own, half of the body twenty times as dense as the other
 };
 
-/** \brief Body by name: sphere, torus, bumpy, ellipsoid, amphora. \return false for another name.
- */
+/** \brief Body by name: sphere, torus, bumpy, ellipsoid, amphora, cube, slab, wedge. \return false for
+ * another name. */
 bool parseBody(const std::string& name, Body& body);
 
 /** \brief Spread by name: random, blue, uneven, step. \return false for another name. */
