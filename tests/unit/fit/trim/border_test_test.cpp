@@ -197,26 +197,27 @@ TEST(BorderTest, DensityThatFallsIsNoBorder) {
   EXPECT_LE(step.ends, 1);
 }
 
-// A sheet under a hole fills it in the plane, but normals part both.
-TEST(BorderTest, NormalsFindAHoleOverAnotherSheet) {
-  const auto shareOf = [](float min_dot) {
-    std::mt19937_64 random(4);
-    std::uniform_real_distribution<double> uniform(-30.0, 30.0);
-    Cloud sheets;
-    for (int k = 0; k < 7200; ++k) {
-      const double x = uniform(random), y = uniform(random);
-      const bool top = k % 2 == 0;
-      if (top && std::hypot(x, y) < 8.0) continue;
-      sheets.add({x, y, top ? 3.0 : 0.0}, {0, 0, top ? 1.0 : -1.0});
-    }
+// A sheet under holes fills them in the plane, but normals part both.
+TEST(BorderTest, NormalsFindHolesOverAnotherSheet) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-40.0, 40.0);
+  Cloud sheets;
+  for (int k = 0; k < 12800; ++k) {
+    const double x = uniform(random), y = uniform(random);
+    const bool top = k % 2 == 0;
+    if (top && toHole(x, y) < 6.0) continue;
+    sheets.add({x, y, top ? 3.0 : 0.0}, {0, 0, top ? 1.0 : -1.0});
+  }
+  const auto shareOf = [&](float min_dot) {
     const Count count = countEnds(
-        sheets, 0.0, [](const Vector3& p) { return p[2] > 1.5 && std::hypot(p[0], p[1]) < 8.4; },
+        sheets, 0.0,
+        [](const Vector3& p) { return isInner(p) && p[2] > 1.5 && toHole(p[0], p[1]) < 6.4; },
         min_dot);
-    EXPECT_GT(count.points, 10);
+    EXPECT_GT(count.points, 80);
     return count.share();
   };
   EXPECT_GT(shareOf(-0.25f), 0.25);
-  EXPECT_LT(shareOf(-2.0f), 0.2);
+  EXPECT_LT(shareOf(-2.0f), 0.05);
 }
 
 // The tangent plane comes from the points: what they are turned by must not matter.
