@@ -11,6 +11,7 @@
 
 #include "fit_plan.h"
 #include "pcl_slim/core/parallel.h"
+#include "trim/support.h"
 
 namespace pcl_slim::detail {
 
@@ -56,7 +57,8 @@ class TrimMaker {
   void gather(std::size_t i, const kernels::CoverLeaf& surfel);
   bool dataEndAtGaps();
   void markOpen(std::uint32_t k);
-  bool hasSail(std::size_t i, TrimScale scale);
+  void widenSpacing(std::size_t i, SupportedSurface& surface);
+  bool standsOff(std::size_t i, SupportedSurface& surface);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
   const PointStore& store_;
@@ -72,9 +74,9 @@ class TrimMaker {
   SheetPoints points_;
   TrimRaster raster_;
   BorderTest border_;
+  SupportTest support_;
   std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
   std::vector<std::uint32_t> rims_;            ///< of gaps: points_
-  std::vector<float> ratios_;                  ///< of their spacings to the surfel's
   std::uint64_t candidates_ = 0;
 };
 
@@ -152,7 +154,6 @@ void TrimMaker::prepare(std::size_t begin, std::size_t end) {
 
 /** Whether the data end at a point next to a gap, in the part of the surfel that is drawn. */
 bool TrimMaker::dataEndAtGaps() {
-  raster_.findRims(points_, places_, rims_);
   constexpr auto kMost = static_cast<float>(kTrim.looked_at * kTrim.looked_at);
   const auto border = std::find_if(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
     const float u = points_.u[k], v = points_.v[k], w = points_.w[k];
@@ -168,24 +169,20 @@ void TrimMaker::markOpen(std::uint32_t k) {
   open_blocks_[points_.index[k] / PointStore::kBlock].store(1, std::memory_order_relaxed);
 }
 
-/** Whether the surfel's surface continues where its points turn away from it, over a disc too wide
- * to be a gap between them, also between those at its rim. If so, gaps are as wide as this disc:
- * narrower ones remain closed. */
-bool TrimMaker::hasSail(std::size_t i, TrimScale scale) {
-  scale.hole = std::max(scale.hole, kTrim.sail * scale.spacing);
-  const double sure = kTrim.known - 0.5 * scale.hole;
-  if (sure <= 0.0) return false;
-  const KnownRegion region(surface_.degree[i], surface_.coefficientsOf(i), sure);
-  raster_.findGaps(points_, region, scale, places_);
-  if (places_.empty()) return false;
-  raster_.findRims(points_, places_, rims_);
-  ratios_.resize(rims_.size());
-  const double unit = 1.0 / (scale.spacing * surface_.radius[i]);
-  std::transform(rims_.begin(), rims_.end(), ratios_.begin(), [&](std::uint32_t k) {
-    return static_cast<float>(unit * local_spacing_.at(points_.index[k]));
-  });
-  raster_.coverSparse(points_, rims_, ratios_, places_);
-  if (places_.empty()) return false;
+/** Gives a surface the widest spacing of the points next to gaps: at a step of density that of the
+ * sparse side, whose points are no farther from each other than usual. */
+void TrimMaker::widenSpacing(std::size_t i, SupportedSurface& surface) {
+  for (const std::uint32_t k : rims_) {
+    const double spacing = local_spacing_.at(points_.index[k]) / surface_.radius[i];
+    surface.spacing = std::max(surface.spacing, spacing);
+  }
+}
+
+/** Whether the surfel's surface leaves its points where these turn away from it. */
+bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
+  if (!support_.standsOff(points_, surface)) return false;
+  widenSpacing(i, surface);
+  if (!support_.standsOff(points_, surface)) return false;
   for (const std::uint32_t k : rims_) markOpen(k);
   return true;
 }
@@ -200,18 +197,25 @@ int TrimMaker::make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bi
   // The finest map has a node a spacing, the coarsest five a side.
   double least = 2.0 / (TrimMap::kMostSide - 1);
   if (!surface_.isLeaf(i)) least = 2.0 / (kTrim.internal_side - 1);
-  const double spacing = std::clamp(spacingOf(points_), least, 0.5);
+  const double spacing = std::clamp(support_.spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, kTrim.growth * spacing};
   // The disc of a border point is empty up to its middle, and farther.
   const double sure = std::min(kTrim.known, kTrim.looked_at + 0.5 * scale.hole);
   raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  if (!by_leaves && !dataEndAtGaps() && !hasSail(i, scale)) return 0;
+  SupportedSurface supported{surface_.degree[i], c, spacing,
+                             std::sqrt(plan_.noise) / surface_.radius[i]};
+  raster_.findRims(points_, places_, rims_);
+  if (!by_leaves && !dataEndAtGaps() && !standsOff(i, supported)) return 0;
   raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, kTrim.known));
   const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
   if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
-  return appendMap(spacing, bits);
+  const std::size_t begin = bits.size();
+  const int side = appendMap(spacing, bits);
+  widenSpacing(i, supported);
+  support_.cutMap(points_, supported, side, bits.data() + begin);
+  return side;
 }
 
 /** \return the map's side: a node a spacing. */
