@@ -12,6 +12,7 @@
 #include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
+#include "scan/small_components.h"
 
 namespace {
 
@@ -40,8 +41,7 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
   options.toggle("trim", &s.mesh.trim, "end the mesh where the scan ends, and keep its holes");
   options.number("hole", &s.mesh.hole_size, 0, 1e6,
                  "diameter of the smallest hole kept, in spacings of the points");
-  options.number("min_component", &s.mesh.min_component_points, 0, 1e12,
-                 "leave out pieces on which fewer points lie; 0: keep all");
+  declareComponentOption(options, s.mesh.min_component_points);
   options.integer("relax", &s.mesh.relax, 0, 100, "rounds that make triangles more even");
   options.toggle("color", &s.color,
                  "colour the vertices from the scan's points or, without a scan, from the surface",
@@ -122,7 +122,8 @@ void reportMesh(const MeshStatistics& m, Report& report) {
               {"euler", c.euler},
               {"collapsed", m.collapsed},
               {"dropped", m.dropped},
-              {"dropped_components", m.dropped_components},
+              {"dropped_components", m.dropped_components + m.left_out.components},
+              {"dropped_points", m.left_out.points},
               {"closed_holes", m.closed_holes},
               {"edge_vertices", m.edge_vertices},
               {"corner_vertices", m.corner_vertices},
@@ -139,9 +140,11 @@ void noteMesh(const MeshStatistics& m, Console& console) {
   const std::string border =
       c.border_edges == 0 ? "closed" : "open, " + counted(c.border_edges, "border edge");
   console.note("  " + border + ", " + counted(c.components, "component"));
+  if (m.left_out.components > 0)
+    console.note("  " + leftOutText(m.left_out.components, m.left_out.points));
   if (m.dropped_components > 0) {
     console.note("  left out: " + counted(m.dropped_components, "small component") + " of " +
-                 counted(m.dropped, "triangle"));
+                 counted(m.dropped, "triangle") + "; -min_component 0 keeps them");
   }
 }
 

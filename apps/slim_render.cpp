@@ -16,6 +16,7 @@
 #include "render/output_request.h"
 #include "render/picture_request.h"
 #include "render/view_request.h"
+#include "scan/small_components.h"
 
 using namespace pcl_slim;
 
@@ -31,7 +32,7 @@ struct Settings {
   LineRequest lines;
   TracedRequest traced;
   PageRequest page;
-  double near_plane = 0.0, lod = 0.0, hole = 0.0;
+  double near_plane = 0.0, lod = 0.0, hole = 0.0, min_component = kLeastComponentPoints;
   int threads = 0, turntable = 1;
   bool filtered = true, trim = true, quiet = false;
 };
@@ -60,6 +61,7 @@ OptionTable declareOptions(Settings& s) {
   table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.number("hole", &s.hole, 0.0, 1e6,
                "close holes narrower than so many spacings of the points; 0: as they were fitted");
+  declareComponentOption(table, s.min_component);
   s.picture.declareFinish(table);
   s.lines.declare(table);
   s.page.declare(table);
@@ -322,6 +324,9 @@ Result<Model> loadBlocks(Settings& s, SlimBlockReader& reader, std::optional<Cho
   model.blocks = blocks->size();
   model.blocks_read = reader.blocksRead();
   model.box = directory.box();
+  for (std::size_t b = 0; b < blocks->size(); ++b) {
+    if (!(*blocks)[b]) model.unloaded.push_back(directory.boxOf(directory.blocks[b]));
+  }
   return model;
 }
 
@@ -340,6 +345,10 @@ Result<Model> loadDrawn(Settings& s, std::optional<ChosenView>& chosen, Console&
   if (model->blocks > 0)
     report.set("blocks", {{"count", model->blocks}, {"read", model->blocks_read}});
   console.done(model->describe());
+  if (!model->is_splats && !model->is_mesh) {
+    leaveOutComponents(s.min_component, s.threads, model->unloaded, console, &report,
+                       model->surface);
+  }
   if (model->skipped > 0) {
     console.note("  splats left out: " + std::to_string(model->skipped) +
                  " not finite or without a normal");

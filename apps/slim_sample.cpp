@@ -10,6 +10,7 @@
 #include "scan/cloud_file.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
+#include "scan/small_components.h"
 
 namespace {
 
@@ -21,6 +22,7 @@ struct Settings {
   ScanFiles files;
   FitJob job;
   SurfaceSampleParams sampling;
+  double min_component = kLeastComponentPoints;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -35,6 +37,7 @@ OptionTable declareOptions(Settings& s) {
                   "how many points, in place of -spacing; 0: as the spacing says");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
+  declareComponentOption(options, s.min_component);
   declareColorOption(options, s.job);
   declareReport(options, s.files);
   options.exclusive({"spacing", "number"});
@@ -138,6 +141,7 @@ Exit run(const OptionTable& options, Settings& s) {
                         ? readSurface(s, points, options.given("hole"), console, report, surface)
                         : fitScan(s.job, *scan, console, report, surface))
     return error;
+  leaveOutComponents(s.min_component, s.job.params.threads, {}, console, &report, surface);
 
   SurfaceSamples samples;
   if (Error error = sample(s, surface, console, report, samples)) return error;

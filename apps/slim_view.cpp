@@ -9,6 +9,7 @@
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
 #include "scan/fit_job.h"
+#include "scan/small_components.h"
 #include "view/viewer.h"
 
 using namespace pcl_slim;
@@ -21,6 +22,7 @@ struct Settings {
   std::string input, screenshot;
   ViewerSettings viewer;
   FitJob fit;
+  double min_component = kLeastComponentPoints;
   bool quiet = false;
 };
 
@@ -64,6 +66,7 @@ OptionTable declareOptions(Settings& s) {
   table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
   declareFitOptions(table, s.fit);
   declareTrimOptions(table, s.fit);
+  declareComponentOption(table, s.min_component);
   declareColorOption(table, s.fit);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
@@ -98,23 +101,25 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Repo
                            s.fit.color ? colorsOf(cloud) : ColorView());
   if (s.screenshot.empty()) {
     viewer.begin();
-    FitTask task(s.fit, cloud);
+    FitTask task(s.fit, s.min_component, cloud);
     return viewer.runFit(task);
   }
   auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
+  leaveOutComponents(s.min_component, s.viewer.threads, {}, console, nullptr, *surface);
   noteView(s, spheresOf(*surface), console);
   viewer.scene().setSurface(surface);
   viewer.begin();
   return viewer.saveScreenshot(s.screenshot);
 }
 
-Error showModel(const Settings& s, Model& model) {
+Error showModel(const Settings& s, Console& console, Model& model) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   if (model.is_splats) {
     viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
   } else {
     auto surface = std::make_shared<SLIMSurface>(std::move(model.surface));
+    leaveOutComponents(s.min_component, s.viewer.threads, {}, console, nullptr, *surface);
     if (!s.fit.params.trim) surface->dropTrimMaps();
     if (s.fit.params.hole_size != FitParams().hole_size)
       surface->closeHoles(s.fit.params.hole_size, s.fit.params.threads);
@@ -150,7 +155,7 @@ Exit run(const OptionTable& options, Settings& s) {
   if (!seen) return Exit::usage(seen.error());
   noteView(s, *seen, console);
   if (Error error = checkDisplay()) return error;
-  return showModel(s, *model);
+  return showModel(s, console, *model);
 }
 
 }  // namespace

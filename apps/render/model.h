@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "common/program.h"
 #include "pcl_slim/core/error.h"
@@ -30,6 +31,7 @@ struct Model {
   std::uint64_t skipped = 0;                ///< splats left out: not finite or without a normal
   std::size_t blocks = 0, blocks_read = 0;  ///< of a surface in blocks
   WorldBox box{};                           ///< of all its blocks
+  std::vector<WorldBox> unloaded;           ///< of the blocks that were not read
 
   /** \brief Whether it has colours of its own. */
   bool hasColors() const {

@@ -193,7 +193,7 @@ std::vector<Rule> colorRules(const DrawnThing& d) {
 std::vector<Rule> objectRules(const DrawnThing& d) {
   const PictureLineParams found = d.lines.finding(1);
   return {
-      {!d.is_surface, {"hole", "trim", "lod"}, "it is for surfaces"},
+      {!d.is_surface, {"hole", "trim", "min_component", "lod"}, "it is for surfaces"},
       {!d.is_splats, {"filtered"}, "it is for splats"},
       {!d.trim, {"hole"}, "-trim 0 keeps no borders"},
       {!d.lines.any(), {"line_width"}, "no lines are drawn; give -lines"},

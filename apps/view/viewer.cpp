@@ -19,14 +19,16 @@
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/scan/scan.h"
+#include "pcl_slim/surface/surface_components.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/studio.h"
 #include "view/readout.h"
 
 namespace pcl_slim {
 
-FitTask::FitTask(const FitJob& job, const CloudFile& cloud)
+FitTask::FitTask(const FitJob& job, double min_component, const CloudFile& cloud)
     : job_(job),
+      min_component_(min_component),
       cloud_(cloud),
       progress_([this](float fraction, const char* stage) {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -59,6 +61,7 @@ void FitTask::run() {
   error_ = fitScan({cloud_.view(with_normals), job_.color ? colorsOf(cloud_) : ColorView()},
                    job_.params, fitted, &progress_);
   *surface_ = std::move(fitted.surface);
+  if (!error_) dropComponents(min_component_, *surface_, job_.params.threads);
 }
 
 namespace {

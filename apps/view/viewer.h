@@ -30,7 +30,8 @@ namespace pcl_slim {
 /** \brief A fit in a thread of its own, apart from the window's. The scan must outlive it. */
 class FitTask {
  public:
-  FitTask(const FitJob& job, const CloudFile& cloud);
+  /** \param[in] min_component points; what is connected to fewer is not shown */
+  FitTask(const FitJob& job, double min_component, const CloudFile& cloud);
   /** \brief Stops the fit and waits for it. */
   ~FitTask();
   FitTask(const FitTask&) = delete;
@@ -48,6 +49,7 @@ class FitTask {
   void run();
 
   FitJob job_;
+  double min_component_;
   const CloudFile& cloud_;
   std::shared_ptr<SLIMSurface> surface_ = std::make_shared<SLIMSurface>();
   Error error_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "contour/contour.h"
 #include "mesh_topology.h"
@@ -312,13 +313,20 @@ Error extractMesh(const SLIMSurface& surface, const MeshParams& params, Triangle
     }
   }
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves; fit it to more points");
-  Extraction extraction(surface, params, counts, progress);
+  std::optional<SLIMSurface> kept;
+  DroppedComponents left_out;
+  if (params.min_component_points > 0) {
+    kept = surface;
+    left_out = dropComponents(params.min_component_points, *kept, params.threads);
+  }
+  Extraction extraction(kept ? *kept : surface, params, counts, progress);
   const double asked = params.tolerance / surface.info.scale;
   if (Error error = extraction.run(asked > 0 ? asked : defaultTolerance(surface))) return error;
   if (extraction.numTriangles() == 0) {
     return {ErrorCode::kNoSurface, "no triangle fits the surface; lower the tolerance"};
   }
   extraction.write(mesh);
+  counts.left_out = left_out;
   counts.census = censusOf(mesh);
   return {};
 }

@@ -210,8 +210,8 @@ TEST(MeshExtraction, SmallComponentsAreLeftOut) {
   params.min_component_points = 1000;
   extract(surface, params, statistics);
   EXPECT_EQ(statistics.census.components, 1u);
-  EXPECT_EQ(statistics.dropped_components, 1u);
-  EXPECT_GT(statistics.dropped, 100u);
+  EXPECT_EQ(statistics.left_out.components, 1u);
+  EXPECT_NEAR(statistics.left_out.points, 300, 100);
   params.min_component_points = 1e9;
   extract(surface, params, statistics);
   EXPECT_EQ(statistics.census.components, 1u) << "the largest stays";

@@ -19,8 +19,7 @@ using namespace detail;
 
 namespace {
 
-constexpr double kKernelShare = 0.36;  ///< effective points of (1 - s^2)^4 over those in the ball
-constexpr std::size_t kTask = 64;      ///< leaves a thread takes at a time
+constexpr std::size_t kTask = 64;  ///< leaves a thread takes at a time
 
 /** Components as trees whose root is the least leaf: threads may join in any order. */
 class Forest {
@@ -194,8 +193,8 @@ class Components {
                });
       });
       if (!places.empty())
-        points += surface_.effective_count[i] / kKernelShare * static_cast<double>(own) /
-                  static_cast<double>(places.size());
+        points +=
+            sheet.numPoints(places) * static_cast<double>(own) / static_cast<double>(places.size());
       if (points >= enough) return points;
       before.push_back(sheet);
     }

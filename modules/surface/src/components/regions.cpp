@@ -13,12 +13,30 @@ namespace {
 constexpr double kSameSheet = 0.3;   ///< [r] sheets of one surface differ by no more
 constexpr int kPatternSide = 9;      ///< places of a closed leaf along u and v
 constexpr std::size_t kPlaces = 64;  ///< of an open leaf, and those that single regions need
-constexpr std::size_t kTask = 64;    ///< leaves a thread takes at a time
+/// Effective points over those in a closed leaf's ball: .36 of points all over it, 1 of points next
+/// to its centre. Small components are between these.
+constexpr double kEffectiveShare = 0.6;
+constexpr std::size_t kTask = 64;  ///< leaves a thread takes at a time
+
+/** The nodes of an open leaf's map that are inside, and where its surface is in the ball: a map has
+ * no meaning elsewhere, and connects nothing there. */
+std::vector<bool> nodesInBall(const SLIMSurface& surface, std::size_t leaf) {
+  const TrimMap map = surface.trimMap(leaf);
+  const double middle = 0.5 * (map.side - 1);
+  std::vector<bool> inside(static_cast<std::size_t>(map.side * map.side));
+  for (int k = 0; k < map.side * map.side; ++k) {
+    const int column = k % map.side, row = k / map.side;
+    if (!map.at(column, row)) continue;
+    const double u = column / middle - 1, v = row / middle - 1;
+    const double w = evaluateHeight(surface.degree[leaf], surface.coefficientsOf(leaf), u, v);
+    inside[static_cast<std::size_t>(k)] = u * u + v * v + w * w < 1;
+  }
+  return inside;
+}
 
 /** Marks the nodes of a map that are connected to one by its number. */
-void fillRegion(const TrimMap& map, int first, std::uint16_t number,
+void fillRegion(const std::vector<bool>& inside, int side, int first, std::uint16_t number,
                 std::vector<std::uint16_t>& of_node, std::vector<int>& open) {
-  const int side = map.side;
   open.assign(1, first);
   of_node[static_cast<std::size_t>(first)] = number;
   while (!open.empty()) {
@@ -26,25 +44,25 @@ void fillRegion(const TrimMap& map, int first, std::uint16_t number,
     open.pop_back();
     for (int k = 0; k < 9; ++k) {
       const int u = x + k % 3 - 1, v = y + k / 3 - 1;
-      if (u < 0 || v < 0 || u >= side || v >= side || !map.at(u, v)) continue;
-      std::uint16_t& own = of_node[static_cast<std::size_t>(v * side + u)];
-      if (own != 0) continue;
-      own = number;
+      if (u < 0 || v < 0 || u >= side || v >= side) continue;
+      const auto node = static_cast<std::size_t>(v * side + u);
+      if (!inside[node] || of_node[node] != 0) continue;
+      of_node[node] = number;
       open.push_back(v * side + u);
     }
   }
 }
 
-/** Numbers a map's regions from 1, nodes outside are 0. \return how many. */
-std::uint32_t labelRegions(const TrimMap& map, std::vector<std::uint16_t>& of_node) {
-  const int all = map.side * map.side;
-  of_node.assign(static_cast<std::size_t>(all), 0);
+/** Numbers a map's regions from 1, nodes elsewhere are 0. \return how many. */
+std::uint32_t labelRegions(const std::vector<bool>& inside, int side,
+                           std::vector<std::uint16_t>& of_node) {
+  of_node.assign(inside.size(), 0);
   std::vector<int> open;
   std::uint32_t count = 0;
-  for (int node = 0; node < all; ++node) {
-    if (of_node[static_cast<std::size_t>(node)] != 0 || !map.at(node % map.side, node / map.side))
-      continue;
-    fillRegion(map, node, static_cast<std::uint16_t>(++count), of_node, open);
+  for (std::size_t node = 0; node < inside.size(); ++node) {
+    if (of_node[node] != 0 || !inside[node]) continue;
+    fillRegion(inside, side, static_cast<int>(node), static_cast<std::uint16_t>(++count), of_node,
+               open);
   }
   return count;
 }
@@ -57,7 +75,7 @@ Regions::Regions(const SLIMSurface& surface, int threads)
   parallelFor(surface.size(), threads, kTask, [&](std::size_t i, int) {
     if (!surface.isLeaf(i)) return;
     const TrimMap map = surface.trimMap(i);
-    counts[i] = map.closed() ? 1 : labelRegions(map, of_node_[i]);
+    counts[i] = map.closed() ? 1 : labelRegions(nodesInBall(surface, i), map.side, of_node_[i]);
     if (counts[i] < 2) std::vector<std::uint16_t>().swap(of_node_[i]);
   });
   for (std::size_t i = 0; i < counts.size(); ++i) begin_[i + 1] = begin_[i] + counts[i];
@@ -71,7 +89,9 @@ Sheet::Sheet(const SLIMSurface& surface, const Regions& regions, std::uint32_t l
       frame_({surface.nx[leaf], surface.ny[leaf], surface.nz[leaf]}),
       degree_(surface.degree[leaf]),
       c_(surface.coefficientsOf(leaf)),
-      map_(surface.trimMap(leaf)) {}
+      map_(surface.trimMap(leaf)),
+      kernel_(surface.info.fit_kernel),
+      effective_count_(surface.effective_count[leaf]) {}
 
 std::uint32_t Sheet::regionAt(const Vector3& place) const {
   const Vector3 offset = scaled(subtract(place, center_), 1 / radius_);
@@ -110,6 +130,20 @@ void Sheet::placesOf(std::vector<SheetPlace>& places) const {
     if (is_first || k % step == 0) places[kept++] = places[k];
   }
   places.resize(kept);
+}
+
+double Sheet::numPoints(const std::vector<SheetPlace>& places) const {
+  if (map_.closed()) return effective_count_ / kEffectiveShare;
+  double sum = 0, squares = 0;
+  for (const SheetPlace& place : places) {
+    const Vector3 offset = scaled(subtract(place.position, center_), 1 / radius_);
+    const double w = evaluateKernel(kernel_, dot(offset, offset));
+    sum += w;
+    squares += w * w;
+  }
+  const double effective_places = squares > 0 ? sum * sum / squares : 0;
+  if (!(effective_places > 0)) return effective_count_;
+  return effective_count_ * static_cast<double>(places.size()) / effective_places;
 }
 
 void Sheet::add(double u, double v, std::uint32_t region, std::vector<SheetPlace>& places) const {

@@ -56,6 +56,10 @@ class Sheet {
    * every region. */
   void placesOf(std::vector<SheetPlace>& places) const;
 
+  /** \brief About the number of points in the ball, from their effective number and from where an
+   * open leaf has data. \param[in] places of the sheet */
+  double numPoints(const std::vector<SheetPlace>& places) const;
+
  private:
   void add(double u, double v, std::uint32_t region, std::vector<SheetPlace>& places) const;
 
@@ -67,6 +71,8 @@ class Sheet {
   int degree_;
   const float* c_;
   TrimMap map_;
+  WeightKernel kernel_;
+  double effective_count_;
 };
 
 }  // namespace pcl_slim::detail

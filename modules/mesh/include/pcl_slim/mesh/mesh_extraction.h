@@ -8,6 +8,7 @@
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 #include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surface_components.h"
 
 namespace pcl_slim {
 
@@ -23,9 +24,10 @@ struct PCL_SLIM_EXPORT MeshParams {
    * the points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too.
    */
   double hole_size = 6;
-  /** Components with fewer points are left out; 0: all stay. The points of a component are its
-   * area times the density that the surface's leaves report. */
-  double min_component_points = 50;
+  /** Components of the surface with fewer points are left out, as dropComponents() does, and then
+   * such pieces of the mesh, which contouring makes where leaves disagree; 0: all stay. The points
+   * of a piece are its area times the density that the surface's leaves report. */
+  double min_component_points = kLeastComponentPoints;
   int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
   /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no
    * limit. The tolerance is then not kept. */
@@ -53,6 +55,7 @@ struct MeshStatistics {
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
   std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
   std::uint64_t closed_holes = 0;  ///< of the data, smaller than the holes kept
+  DroppedComponents left_out;      ///< of the surface, before it was triangulated
   std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
   std::uint64_t edge_vertices = 0;    ///< added where two faces of the sharp surface meet
