@@ -68,6 +68,8 @@ constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
 constexpr double kMargin = 3.0;   ///< cells around sixteen places
 constexpr double kMostRelaxation = 100;
+/// Of the least points of a component: area times density is as little of a small piece's points.
+constexpr double kPieceShare = 0.4;
 
 Error cancelledError() {
   return {ErrorCode::kCancelled, "the extraction was cancelled"};
@@ -125,7 +127,8 @@ class Extraction {
       trimAtBorder(field, triangles_, vertices_);
     }
     separate();
-    dropCrumbs(field, params_.min_component_points, vertices_, triangles_, statistics_);
+    dropCrumbs(field, kPieceShare * params_.min_component_points, vertices_, triangles_,
+               statistics_);
     statistics_.seconds_trim = clock.lap();
     if (params_.sharp != nullptr) addSharpEdges();
     statistics_.seconds_sharpen = clock.lap();

@@ -25,8 +25,8 @@ struct PCL_SLIM_EXPORT MeshParams {
    */
   double hole_size = 6;
   /** Components of the surface with fewer points are left out, as dropComponents() does, and then
-   * such pieces of the mesh, which contouring makes where leaves disagree; 0: all stay. The points
-   * of a piece are its area times the density that the surface's leaves report. */
+   * the pieces of the mesh that contouring makes where leaves disagree: those whose area times the
+   * density that the surface's leaves report is below .4 of it; 0: all stay. */
   double min_component_points = kLeastComponentPoints;
   int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
   /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no
