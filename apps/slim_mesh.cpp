@@ -41,6 +41,8 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
   options.toggle("trim", &s.mesh.trim, "end the mesh where the scan ends, and keep its holes");
   options.number("hole", &s.mesh.hole_size, 0, 1e6,
                  "diameter of the smallest hole kept, in spacings of the points");
+  options.toggle("watertight", &s.mesh.watertight,
+                 "close every border of the mesh, so that it is a body");
   declareComponentOption(options, s.mesh.min_component_points);
   options.integer("relax", &s.mesh.relax, 0, 100, "rounds that make triangles more even");
   options.toggle("color", &s.color,
@@ -125,6 +127,12 @@ void reportMesh(const MeshStatistics& m, Report& report) {
               {"dropped_components", m.dropped_components + m.left_out.components},
               {"dropped_points", m.left_out.points},
               {"closed_holes", m.closed_holes},
+              {"closed_area", m.closed_area},
+              {"area", m.area},
+              {"border_loops", m.border_loops},
+              {"sheet_ends", m.sheet_ends},
+              {"longest_loop", m.longest_loop},
+              {"widest_hole", m.widest_hole},
               {"edge_vertices", m.edge_vertices},
               {"corner_vertices", m.corner_vertices},
               {"unprojected", m.unprojected},
@@ -134,12 +142,29 @@ void reportMesh(const MeshStatistics& m, Report& report) {
               {"split_cells", m.split_cells}});
 }
 
-/** "closed, 1 component" and what was left out. */
+/** What would close the loops that a mesh still has. */
+std::string remedyOf(const MeshStatistics& m) {
+  const std::uint64_t holes = m.border_loops - m.sheet_ends;
+  if (holes == 0) return "-watertight 1 closes the ends of sheets, too";
+  const std::string widest = numberText(m.widest_hole, 3);
+  const std::string size = std::to_string(static_cast<long long>(std::floor(m.widest_hole)) + 1);
+  return (holes == 1 ? "the hole is " : "the widest hole is ") + widest + " spacings: -hole " +
+         size + " closes " + (holes == 1 ? "it" : "them") + ", -watertight 1 closes all";
+}
+
+/** "closed, 1 component", what was closed, what stays open and was left out. */
 void noteMesh(const MeshStatistics& m, Console& console) {
   const MeshCensus& c = m.census;
-  const std::string border =
-      c.border_edges == 0 ? "closed" : "open, " + counted(c.border_edges, "border edge");
+  const std::string border = m.border_loops == 0
+                                 ? "closed"
+                                 : "open, " + counted(m.border_loops, "border loop") + " of " +
+                                       counted(c.border_edges, "edge");
   console.note("  " + border + ", " + counted(c.components, "component"));
+  if (m.closed_holes > 0) {
+    console.note("  closed: " + counted(m.closed_holes, "hole") + ", " +
+                 numberText(100 * m.closed_area / std::max(m.area, 1e-300), 2) + " % of the area");
+  }
+  if (m.border_loops > 0) console.note("  " + remedyOf(m));
   if (m.left_out.components > 0)
     console.note("  " + leftOutText(m.left_out.components, m.left_out.points));
   if (m.dropped_components > 0) {

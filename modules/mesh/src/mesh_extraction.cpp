@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "borders/borders.h"
 #include "contour/contour.h"
 #include "mesh_topology.h"
 #include "pcl_slim/core/stopwatch.h"
@@ -123,16 +124,20 @@ class Extraction {
     report(0.9f, "trimming");
     if (trim) {
       markUncovered(field, surface_.info.cover_threshold, vertices_);
-      statistics_.closed_holes = closeHoles(field, params_.hole_size, triangles_, vertices_);
-      trimAtBorder(field, triangles_, vertices_);
+      trimAtBorder(field, tolerance, triangles_, vertices_);
     }
     separate();
     dropCrumbs(field, kPieceShare * params_.min_component_points, vertices_, triangles_,
                statistics_);
+    cleanTriangles(triangles_, vertices_);
+    closeBorders(field);
     statistics_.seconds_trim = clock.lap();
     if (params_.sharp != nullptr) addSharpEdges();
     statistics_.seconds_sharpen = clock.lap();
     if (Error error = simplify(field)) return error;
+    cleanTriangles(triangles_, vertices_);
+    measureArea();
+    countLoops(field, surface_.info.scale, triangles_, vertices_, statistics_);
     statistics_.seconds_simplify = clock.lap();
     return cancelled() ? cancelledError() : Error{};
   }
@@ -151,6 +156,8 @@ class Extraction {
   void makeVertices(const SheetVertices& sheets, const ProbeField& field);
   void turnToTriangles();
   void separate();
+  void closeBorders(const ProbeField& field);
+  void measureArea();
   void addSharpEdges();
   Error simplify(const ProbeField& field);
 
@@ -181,7 +188,10 @@ void Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& fie
   if (!surface_.info.oriented) agreeOnSides(triangles_, threads_);
   dropTurned(triangles_, threads_);
   separate();
-  statistics_.closed_gaps = closeGaps(field, kWidestGap, triangles_, vertices_);
+  LoopChoice gaps;
+  gaps.width = kWidestGap;
+  gaps.inside = gaps.project = true;
+  statistics_.closed_gaps = closeLoops(field, gaps, triangles_, vertices_).count;
   separate();
   if (!surface_.info.oriented) turnToTriangles();
 }
@@ -217,8 +227,33 @@ void Extraction::separate() {
     vertices_.k2[to] = vertices_.k2[from];
     vertices_.outside[to] = vertices_.outside[from];
     vertices_.size[to] = vertices_.size[from];
+    vertices_.on_border[to] = vertices_.on_border[from];
     vertices_.supported[to] = vertices_.supported[from];
   }
+}
+
+/** Closes the loops that are left: small holes by vertices on the surface, then all where the mesh
+ * is to be watertight. */
+void Extraction::closeBorders(const ProbeField& field) {
+  LoopChoice choice;
+  choice.width = params_.hole_size - kGrowth;
+  choice.project = true;
+  ClosedLoops closed = closeLoops(field, choice, triangles_, vertices_);
+  if (params_.watertight) {
+    choice.all = true;
+    choice.project = false;
+    const ClosedLoops more = closeLoops(field, choice, triangles_, vertices_);
+    closed.count += more.count;
+    closed.area += more.area;
+  }
+  statistics_.closed_holes = closed.count;
+  statistics_.closed_area = closed.area * surface_.info.scale * surface_.info.scale;
+}
+
+void Extraction::measureArea() {
+  double area = 0;
+  for (const Triangle& t : triangles_) area += areaOf(t, vertices_);
+  statistics_.area = area * surface_.info.scale * surface_.info.scale;
 }
 
 /** Brings positions and curvatures from one surface's local units to another's. */

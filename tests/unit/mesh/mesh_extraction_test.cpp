@@ -187,10 +187,20 @@ TEST(MeshExtraction, HolesOfTheDataStayOpenUnlessTheyAreSmall) {
   EXPECT_EQ(statistics.census.euler, 0) << "a ring";
   EXPECT_EQ(statistics.census.components, 1u);
   expectManifold(statistics.census);
-  const SLIMSurface small = surfaceOf(punched(3 * spacing));
+  EXPECT_EQ(statistics.border_loops, 2u);
+  EXPECT_EQ(statistics.sheet_ends, 1u);
+  EXPECT_NEAR(statistics.widest_hole, 16, 2);
+  MeshParams params;
+  params.hole_size = statistics.widest_hole + 0.1;
+  extract(surface, params, statistics);
+  EXPECT_EQ(statistics.census.euler, 1) << "a disc";
+  EXPECT_EQ(statistics.closed_holes, 1u);
+  EXPECT_NEAR(statistics.closed_area / (64 * M_PI * spacing * spacing), 1, 0.25);
+  const SLIMSurface small = surfaceOf(punched(2.2 * spacing));
   extract(small, {}, statistics);
   EXPECT_EQ(statistics.census.euler, 1) << "a disc";
   EXPECT_GE(statistics.closed_holes, 1u);
+  EXPECT_EQ(statistics.border_loops, 1u);
 }
 
 TEST(MeshExtraction, SmallComponentsAreLeftOut) {

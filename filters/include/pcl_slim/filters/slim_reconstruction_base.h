@@ -38,6 +38,10 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase, public GivenS
   void setMeshHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
   double getMeshHoleSize() const { return mesh_params_.hole_size; }
 
+  /** \brief Closes every border loop, so that the mesh is a body (default off). */
+  void setWatertight(bool watertight) { mesh_params_.watertight = watertight; }
+  bool getWatertight() const { return mesh_params_.watertight; }
+
   /** \brief Leaves out components with fewer points (default 50); 0 keeps all. */
   void setMinComponentPoints(double points) { mesh_params_.min_component_points = points; }
   double getMinComponentPoints() const { return mesh_params_.min_component_points; }

@@ -15,7 +15,7 @@ constexpr double kWidest = 0.6;  ///< of r: no wider cells
 constexpr double kPatch = 0.45;  ///< of r: radius about the centre where curvature is evaluated
 constexpr int kSteps = 16;       ///< widths looked at from one to twice as much
 /// Of the distance of a trim map's nodes, about the points' spacing: cells at a border are no wider.
-constexpr double kBorderCell = 3;
+constexpr double kBorderCell = 2;
 constexpr double kGrading = 0.5;   ///< of a cell's width: nearer borders divide it, too
 constexpr double kMapReach = 0.9;  ///< of r: farther out other leaves know the border better
 

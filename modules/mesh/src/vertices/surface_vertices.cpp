@@ -118,6 +118,7 @@ void SurfaceVertices::resize(std::size_t count) {
   k2.resize(count, 0);
   outside.resize(count, 0);
   size.resize(count, 0);
+  on_border.resize(count, 0);
   supported.resize(count, 0);
 }
 

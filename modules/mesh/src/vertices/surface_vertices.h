@@ -17,6 +17,7 @@ struct SurfaceVertices {
   std::vector<float> k1, k2;
   std::vector<float> outside;           ///< share of the trim maps: the surface ends at 1/2
   std::vector<float> size;              ///< of cells about
+  std::vector<std::uint8_t> on_border;  ///< 1: moved to where the surface ends
   std::vector<std::uint8_t> supported;  ///< 0: not on the surface, but where cells' edges cross it
 
   std::size_t count() const { return position.size(); }
@@ -33,35 +34,6 @@ void putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which,
  * passes. A vertex stays where a triangle would turn over; so do those on borders. */
 void relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,
            SurfaceVertices& vertices);
-
-/** Closes gaps that contouring has left where the surface continues: border loops of few edges,
- * whose area would contain fewer points than a disc `width` spacings wide, with data on all sides.
- * A gap of three edges gets a triangle, others a fan about a vertex on the surface. \return how
- * many. O(T log T). */
-std::uint64_t closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
-                        SurfaceVertices& vertices);
-
-/** Leaves out components with fewer points than requested; the largest is always kept. O(T). */
-void dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
-                std::vector<Triangle>& triangles, MeshStatistics& statistics);
-
-/** Marks as outside the vertices that no leaf supports or that leaves cover less than a fit covers
- * its points: polynomials err there, and trim maps do not reach there. */
-void markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices);
-
-/** Closes small holes of the data, before trimming: patches of vertices that are outside, but do
- * not reach the border of the mesh, and whose area would contain fewer points than a disc
- * `hole_size` spacings wide. Their vertices are inside afterwards. \return how many patches. O(T).
- */
-std::uint64_t closeHoles(const ProbeField& field, double hole_size,
-                         const std::vector<Triangle>& triangles, SurfaceVertices& vertices);
-
-/** Cuts triangles where the surface's data end: along the line on which SurfaceVertices::outside is
- * 1/2. Vertices next to that line are brought onto it, others are on edges that it crosses;
- * vertices are added, none is taken away. O(T), and a few evaluations for each edge that the line
- * crosses. */
-void trimAtBorder(const ProbeField& field, std::vector<Triangle>& triangles,
-                  SurfaceVertices& vertices);
 
 /** A plane through a place, with a unit normal. */
 struct Plane {
@@ -91,5 +63,11 @@ void sharpen(const SLIMSurface& sharp, int threads, std::vector<Triangle>& trian
  * thread. */
 void collapseEdges(std::size_t most_triangles, std::vector<Triangle>& triangles,
                    SurfaceVertices& vertices);
+
+/** Takes away triangles without area, by collapsing their shortest edge or flipping their longest
+ * one, where the mesh stays manifold and nothing turns over; else one corner moves off the longest
+ * edge. Then triangles with two edges on the border that fold back onto the mesh are taken away. O(T).
+ */
+void cleanTriangles(std::vector<Triangle>& triangles, SurfaceVertices& vertices);
 
 }  // namespace pcl_slim::detail

@@ -20,10 +20,13 @@ struct PCL_SLIM_EXPORT MeshParams {
    * remains then is larger. */
   double tolerance = 0;
   bool trim = true;  ///< end the mesh where the data end: by the surface's trim maps
-  /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of
-   * the points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too.
-   */
+  /** Holes of the mesh are closed unless a disc of this diameter has room between the points around
+   * [spacings of the points]; 0: all stay open. The ends of open sheets stay open. */
   double hole_size = 6;
+  /** Every border loop is closed, whatever its size and shape, so that the mesh is a body: holes by
+   * surfaces that continue what is around them, the end of an open sheet or pipe by a membrane
+   * across it. */
+  bool watertight = false;
   /** Components of the surface with fewer points are left out, as dropComponents() does, and then
    * the pieces of the mesh that contouring makes where leaves disagree: those whose area times the
    * density that the surface's leaves report is below .4 of it; 0: all stay. */
@@ -54,9 +57,16 @@ struct MeshStatistics {
   std::uint64_t rounds = 0;        ///< of contouring
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
   std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
-  std::uint64_t closed_holes = 0;  ///< of the data, smaller than the holes kept
-  DroppedComponents left_out;      ///< of the surface, before it was triangulated
-  std::uint64_t dropped = 0;       ///< triangles of components left out
+  std::uint64_t closed_holes = 0;  ///< border loops closed: small holes, or with watertight all
+  double closed_area = 0;          ///< of the triangles that close them [world units squared]
+  double area = 0;                 ///< of all triangles [world units squared]
+  std::uint64_t border_loops = 0;  ///< of the mesh
+  std::uint64_t sheet_ends = 0;    ///< of these: around a sheet, not around a hole in it
+  double longest_loop = 0;         ///< [world units]
+  double widest_hole =
+      0;  ///< of loops that are no ends of sheets: a larger hole_size closes them all
+  DroppedComponents left_out;  ///< of the surface, before it was triangulated
+  std::uint64_t dropped = 0;   ///< triangles of components left out
   std::uint64_t dropped_components = 0;
   std::uint64_t edge_vertices = 0;    ///< added where two faces of the sharp surface meet
   std::uint64_t corner_vertices = 0;  ///< added where three meet
