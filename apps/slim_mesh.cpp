@@ -144,12 +144,10 @@ void reportMesh(const MeshStatistics& m, Report& report) {
 
 /** What would close the loops that a mesh still has. */
 std::string remedyOf(const MeshStatistics& m) {
-  const std::uint64_t holes = m.border_loops - m.sheet_ends;
-  if (holes == 0) return "-watertight 1 closes the ends of sheets, too";
-  const std::string widest = numberText(m.widest_hole, 3);
-  const std::string size = std::to_string(static_cast<long long>(std::floor(m.widest_hole)) + 1);
-  return (holes == 1 ? "the hole is " : "the widest hole is ") + widest + " spacings: -hole " +
-         size + " closes " + (holes == 1 ? "it" : "them") + ", -watertight 1 closes all";
+  if (m.border_loops == m.sheet_ends) return "ends of sheets, no hole: -watertight 1 closes them";
+  const auto size = static_cast<long long>(std::floor(m.widest_hole)) + 1;
+  return "widest hole " + numberText(m.widest_hole, 3) + " spacings: -hole " +
+         std::to_string(size) + " closes holes, -watertight 1 all";
 }
 
 /** "closed, 1 component", what was closed, what stays open and was left out. */
@@ -161,8 +159,8 @@ void noteMesh(const MeshStatistics& m, Console& console) {
                                        counted(c.border_edges, "edge");
   console.note("  " + border + ", " + counted(c.components, "component"));
   if (m.closed_holes > 0) {
-    console.note("  closed: " + counted(m.closed_holes, "hole") + ", " +
-                 numberText(100 * m.closed_area / std::max(m.area, 1e-300), 2) + " % of the area");
+    console.note("  closed: " + counted(m.closed_holes, "border loop") + " by " +
+                 numberText(100 * m.closed_area / m.area, 2) + " % of the area");
   }
   if (m.border_loops > 0) console.note("  " + remedyOf(m));
   if (m.left_out.components > 0)

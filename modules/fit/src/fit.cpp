@@ -177,6 +177,9 @@ Error fitStages(const FitConstants& constants, const PointStore& all, const FitP
   seconds.links = watch.lap();
   const Orientation turned =
       turnSurfels(after, sides.statistics, evidence, params, constants.orient, threads, surface);
+  std::optional<PointStore>& sided = sides.after_cover ? sides.after_cover : sides.for_cover;
+  if (sided && turned.source == SideSource::kThinParts)
+    turnContradicted(constants.orient, threads, *sided, surface);
   seconds.orient = watch.lap();
   const std::uint64_t gaps = makeTrimMaps(after, sized->plan, params, threads, surface);
   seconds.trim = watch.lap();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -212,6 +213,104 @@ void turnToSides(const PointStore& store, const OrientConstants& constants, int 
   std::transform(votes.begin(), votes.end(), signs.begin(),
                  [](double vote) { return static_cast<signed char>(vote < 0 ? -1 : 1); });
   turn(leaves, signs, surface);
+}
+
+namespace {
+
+constexpr double kSheetShare = 0.1;   ///< of r: leaves of one sheet differ by no more,
+constexpr double kSheetErrors = 2;    ///< nor by more residuals
+constexpr double kSheetSlack = 0.02;  ///< and this share of r
+constexpr double kSheetReach = 0.9;   ///< of r: where that is evaluated
+constexpr double kSheetCosine = 0.9;  ///< of their normals
+constexpr double kOwnSide = 0.3;      ///< weight of a leaf's side [two leaves that agree]
+
+/** The cosine of a normal and the gradient of a leaf at the foot of a place, or nothing where the
+ * place is not on the leaf's sheet. */
+std::optional<double> cosineOnSheet(const SLIMSurface& s, std::uint32_t i, const Vector3& place,
+                                    const Vector3& normal, double most) {
+  const LocalFrame frame({s.nx[i], s.ny[i], s.nz[i]});
+  const Vector3 d = subtract(place, {s.cx[i], s.cy[i], s.cz[i]});
+  const double r = s.radius[i], u = dot(d, frame.u) / r, v = dot(d, frame.v) / r;
+  if (u * u + v * v > kSheetReach * kSheetReach) return std::nullopt;
+  const HeightJet jet = evaluateJet(s.degree[i], s.coefficientsOf(i), u, v);
+  if (std::abs(dot(d, frame.w) - r * jet.h) > most) return std::nullopt;
+  return dot(normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v)), normal);
+}
+
+/** Edges between leaves that are certainly of one sheet: 1 where their sides agree, else -1. */
+std::vector<SignedEdge> edgesOnSheets(const SLIMSurface& s,
+                                      const std::vector<std::uint32_t>& leaves, int threads,
+                                      const OrientConstants& constants) {
+  const std::vector<SidePatch> patches = patchesOf(s, leaves);
+  std::vector<SignedEdge> found;
+  const auto normalAt = [&](std::uint32_t i) {
+    const LocalFrame frame({s.nx[i], s.ny[i], s.nz[i]});
+    const HeightJet jet = evaluateJet(s.degree[i], s.coefficientsOf(i), 0, 0);
+    return normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v));
+  };
+  for (const SignedEdge& edge : overlapGraph(s, leaves, patches, threads, constants)) {
+    const std::uint32_t a = leaves[edge.a], b = leaves[edge.b];
+    const double r = std::min(s.radius[a], s.radius[b]);
+    const double most = std::min(kSheetShare * r,
+                                 kSheetSlack * r + kSheetErrors * std::min(s.error[a], s.error[b]));
+    const auto of_b = cosineOnSheet(s, a, patches[edge.b].center, normalAt(b), most);
+    if (!of_b || std::abs(*of_b) < kSheetCosine) continue;
+    const auto of_a = cosineOnSheet(s, b, patches[edge.a].center, normalAt(a), most);
+    if (!of_a || std::abs(*of_a) < kSheetCosine || (*of_a > 0) != (*of_b > 0)) continue;
+    found.push_back({edge.a, edge.b, *of_a > 0 ? 1.0 : -1.0});
+  }
+  return found;
+}
+
+/** Turns the sides of the points on a leaf's sheet that face away from it. */
+void turnPoints(const SLIMSurface& surface, std::uint32_t i, double sheet, const PointStore& store,
+                std::vector<std::array<float, 3>>& normals) {
+  std::vector<std::uint32_t> blocks;
+  const float center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+  store.tree().blocksInBall(center, surface.radius[i], blocks);
+  for (const std::uint32_t block : blocks) {
+    const std::size_t begin = block * PointStore::kBlock;
+    for (std::size_t p = begin; p < std::min(store.size(), begin + PointStore::kBlock); ++p) {
+      const Vector3 normal = {normals[p][0], normals[p][1], normals[p][2]};
+      const auto cosine =
+          cosineOnSheet(surface, i, store.position(p), normal, sheet * surface.error[i]);
+      if (!cosine || !(*cosine < 0)) continue;
+      for (float& n : normals[p]) n = -n;
+    }
+  }
+}
+
+}  // namespace
+
+std::uint64_t turnContradicted(const OrientConstants& constants, int threads, PointStore& store,
+                               SLIMSurface& surface) {
+  const std::vector<std::uint32_t> leaves = surface.leaves();
+  const std::vector<SignedEdge> edges = edgesOnSheets(surface, leaves, threads, constants);
+  SignedRegions regions(leaves.size());
+  for (const SignedEdge& e : edges) {
+    if (e.agreement > 0) regions.join(e.a, e.b);
+  }
+  std::vector<double> votes(regions.number(), 0.0);
+  for (std::uint32_t k = 0; k < leaves.size(); ++k) votes[regions.of(k)] += kOwnSide;
+  std::vector<SignedEdge> between;
+  for (const SignedEdge& e : edges) {
+    const std::uint32_t a = regions.of(e.a), b = regions.of(e.b);
+    if (a != b) between.push_back({a, b, e.agreement});
+  }
+  if (between.empty()) return 0;
+  const std::vector<signed char> of_regions = signsByVotes(std::move(between), votes);
+  std::vector<signed char> signs(leaves.size());
+  for (std::uint32_t k = 0; k < leaves.size(); ++k) signs[k] = of_regions[regions.of(k)];
+  const auto turned = static_cast<std::uint64_t>(std::count(signs.begin(), signs.end(), -1));
+  if (turned == 0) return 0;
+  turn(leaves, signs, surface);
+  std::vector<std::array<float, 3>> normals(store.size());
+  for (std::size_t p = 0; p < normals.size(); ++p) normals[p] = store.normal(p);
+  for (std::uint32_t k = 0; k < leaves.size(); ++k) {
+    if (signs[k] < 0) turnPoints(surface, leaves[k], constants.sheet, store, normals);
+  }
+  store.setSides(normals);
+  return turned;
 }
 
 }  // namespace pcl_slim::detail

@@ -56,4 +56,14 @@ void measureFacing(const SLIMSurface& surface, SideStatistics& sides);
 void turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
                  SLIMSurface& surface);
 
+/** \brief Turns leaves whose found sides contradict those around them on the same sheet, and the
+ * points on them.
+ *
+ * Two leaves are certainly of one sheet if each contains the other's middle on its polynomial, to a
+ * tenth of the radius and two residuals, and their normals agree within 25 degrees up to the sign:
+ * thin parts have none such. Leaves that agree are one region, and regions turn by signsByVotes(), so
+ * that the larger one keeps its side. \return how many leaves turned. O(leaves). */
+std::uint64_t turnContradicted(const OrientConstants& constants, int threads, PointStore& store,
+                               SLIMSurface& surface);
+
 }  // namespace pcl_slim::detail

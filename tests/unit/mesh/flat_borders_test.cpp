@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 #include <vector>
 
 #include "pcl_slim/mesh/mesh_extraction.h"
+#include "pcl_slim/query/surface_probe.h"
 #include "support/clouds.h"
 
 namespace {
@@ -208,6 +210,72 @@ TEST_P(FlatBorders, AreThoseOfThePoints) {
   EXPECT_LE(farthest, 2.5);
   EXPECT_LE(deepest, 2.5);
   EXPECT_LE(twice, 0.01 * part.border) << "no triangle is turned over";
+}
+
+/** Edges on the border of a mesh: their ends, and the way out of the mesh in its plane. */
+struct RimEdge {
+  Vector3 from, to, outwards;
+};
+
+std::vector<RimEdge> rimOf(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> uses;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      uses[{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]}] = t;
+    }
+  }
+  std::vector<RimEdge> rim;
+  for (const auto& [ends, t] : uses) {
+    if (uses.count({ends.second, ends.first}) > 0) continue;
+    const auto& own = mesh.triangles[t];
+    const Vector3 &a = mesh.vertices[own[0]], &b = mesh.vertices[own[1]];
+    const Vector3 normal = cross(subtract(b, a), subtract(mesh.vertices[own[2]], a));
+    const Vector3 &from = mesh.vertices[ends.first], &to = mesh.vertices[ends.second];
+    rim.push_back({from, to, normalized(cross(subtract(to, from), normal))});
+  }
+  return rim;
+}
+
+/** How far the line on which the surface ends is from a place along a way, up to a reach. */
+double distanceToEnd(SurfaceProbe& probe, const SurfaceInfo& info, const Vector3& place,
+                     const Vector3& way, double reach) {
+  const auto isOutside = [&](double s) {
+    const Vector3 at = scaled(subtract(along(place, s, way), info.origin), 1 / info.scale);
+    ProbeRequest request;
+    request.positions = &at;
+    request.count = 1;
+    request.curvature = false;
+    ProbeSample sample;
+    probe.evaluate(request, &sample);
+    return !sample.supported || sample.outside > 0.5;
+  };
+  const bool here = isOutside(0);
+  for (double off = 0; off <= reach; off += 0.02) {
+    if (isOutside(here ? -off : off) != here) return off;
+  }
+  return reach;
+}
+
+TEST_P(FlatBorders, EdgesFollowTheLineOnWhichTheSurfaceEnds) {
+  const pcl_slim_test::Fitted fit = pcl_slim_test::fitted(cloud());
+  TriangleMesh mesh;
+  ASSERT_FALSE(extractMesh(fit.surface, {}, mesh));
+  const ProbeIndex index(fit.surface, ProbeUse::kExtraction);
+  SurfaceProbe probe(index);
+  std::size_t edges = 0, ends_off = 0, middles_off = 0;
+  for (const RimEdge& edge : rimOf(mesh)) {
+    const Vector3 middle = along(scaled(edge.from, 0.5), 0.5, edge.to);
+    const auto off = [&](const Vector3& place) {
+      return distanceToEnd(probe, fit.surface.info, place, edge.outwards, 1);
+    };
+    ++edges;
+    ends_off += off(edge.from) > 0.1 ? 1 : 0;
+    middles_off += off(middle) > 0.25 ? 1 : 0;
+  }
+  // An edge is not divided where its triangle would fold, or where the line runs along its way.
+  EXPECT_GT(edges, 100u);
+  EXPECT_LE(ends_off, edges / 50);
+  EXPECT_LE(middles_off, edges / 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Parts, FlatBorders, testing::ValuesIn(parts()));

@@ -41,6 +41,19 @@ BorderRings::BorderRings(const std::vector<Triangle>& triangles, const SurfaceVe
     std::sort(neighbours_.begin() + begin_[i], neighbours_.begin() + begin_[i + 1]);
   }
 
+  fan_begin_.assign(on_border.size() + 2, 0);
+  const auto forCorners = [&](const auto& use) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      for (const std::uint32_t v : triangles[t]) {
+        if (slot_[v] != kNone) use(slot_[v], t);
+      }
+    }
+  };
+  forCorners([&](std::uint32_t slot, std::uint32_t) { ++fan_begin_[slot + 2]; });
+  for (std::size_t i = 2; i < fan_begin_.size(); ++i) fan_begin_[i] += fan_begin_[i - 1];
+  fans_.resize(fan_begin_.back());
+  forCorners([&](std::uint32_t slot, std::uint32_t t) { fans_[fan_begin_[slot + 1]++] = t; });
+
   std::sort(on_border.begin(), on_border.end());
   std::vector<bool> seen(on_border.size(), false);
   for (const std::uint32_t first : on_border) {
@@ -57,6 +70,11 @@ BorderRings::BorderRings(const std::vector<Triangle>& triangles, const SurfaceVe
 IndexRow BorderRings::neighbours(std::uint32_t v) const {
   if (v >= slot_.size() || slot_[v] == kNone) return {};
   return {neighbours_.data() + begin_[slot_[v]], neighbours_.data() + begin_[slot_[v] + 1]};
+}
+
+IndexRow BorderRings::trianglesAt(std::uint32_t v) const {
+  if (v >= slot_.size() || slot_[v] == kNone) return {};
+  return {fans_.data() + fan_begin_[slot_[v]], fans_.data() + fan_begin_[slot_[v] + 1]};
 }
 
 namespace {
@@ -213,7 +231,7 @@ LoopFill fillLoop(const Loop& loop, const BorderRings& rings, std::vector<Triang
   LoopFill fill = connectLoop(loop, rings, vertices);
   if (loop.size() > 3) {
     refineFill(loop, rings, fill);
-    fairFill(loop, rings, vertices, fill);
+    fairFill(loop, rings, triangles, vertices, fill);
   }
   const std::size_t before = vertices.count(), n = loop.size();
   vertices.resize(before + fill.positions.size() - n);

@@ -13,52 +13,59 @@ namespace {
 
 constexpr double kContinues = 0.5;  ///< cosine from which on what closes a loop continues the mesh
 
-/** The neighbours of the vertices of a fill and of its loop, with weights. Nodes are the fill's
+constexpr double kMostCotangent = 50;  ///< of slivers
+
+/** The cotangent Laplacian of the vertices of a fill and of its loop. Nodes are the fill's
  * vertices, then those of the mesh around the loop. */
-struct Stencils {
+struct Laplacian {
   struct Arm {
     std::uint32_t to;
     double weight;
   };
   std::vector<std::vector<Arm>> of;
+  std::vector<double> area;  ///< a third of the triangles about each
   std::vector<Vector3> positions;
 
-  Stencils(const Loop& loop, const BorderRings& rings, const SurfaceVertices& vertices,
-           const LoopFill& fill)
-      : of(fill.positions.size()), positions(fill.positions) {
-    for (const Triangle& t : fill.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        of[t[k]].push_back({t[(k + 1) % 3], 0});
-        of[t[k]].push_back({t[(k + 2) % 3], 0});
-      }
-    }
+  Laplacian(const Loop& loop, const BorderRings& rings, const std::vector<Triangle>& triangles,
+            const SurfaceVertices& vertices, const LoopFill& fill)
+      : of(fill.positions.size()), area(fill.positions.size(), 0), positions(fill.positions) {
+    for (const Triangle& t : fill.triangles) add(t);
     std::unordered_map<std::uint32_t, std::uint32_t> nodes;
-    for (std::uint32_t i = 0; i < loop.size(); ++i) nodes[loop[i]] = i;
+    std::vector<std::uint32_t> around;
     for (std::uint32_t i = 0; i < loop.size(); ++i) {
-      for (const std::uint32_t v : rings.neighbours(loop[i])) {
+      nodes[loop[i]] = i;
+      const IndexRow row = rings.trianglesAt(loop[i]);
+      around.insert(around.end(), row.begin(), row.end());
+    }
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    for (const std::uint32_t t : around) {
+      Triangle own;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = triangles[t][k];
         const auto [at, fresh] = nodes.emplace(v, static_cast<std::uint32_t>(positions.size()));
         if (fresh) positions.push_back(vertices.position[v]);
-        of[i].push_back({at->second, 0});
+        own[k] = at->second;
       }
+      add(own);
     }
-    for (std::uint32_t i = 0; i < of.size(); ++i) finish(i);
   }
 
  private:
-  /** Each neighbour once, weighed by the inverse of its distance; weights add up to 1. */
-  void finish(std::uint32_t i) {
-    std::vector<Arm>& arms = of[i];
-    std::sort(arms.begin(), arms.end(), [](const Arm& a, const Arm& b) { return a.to < b.to; });
-    arms.erase(std::unique(arms.begin(), arms.end(),
-                           [](const Arm& a, const Arm& b) { return a.to == b.to; }),
-               arms.end());
-    double longest = 0, sum = 0;
-    for (Arm& arm : arms) {
-      arm.weight = length(subtract(positions[arm.to], positions[i]));
-      longest = std::max(longest, arm.weight);
+  void add(const Triangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+      const Vector3 ca = subtract(positions[a], positions[c]);
+      const Vector3 cb = subtract(positions[b], positions[c]);
+      const double size = length(cross(ca, cb));
+      const double most = kMostCotangent * size;
+      const double half = size > 0 ? 0.5 * std::clamp(dot(ca, cb), -most, most) / size : 0;
+      if (a < of.size()) {
+        of[a].push_back({b, half});
+        area[a] += size / 6;
+      }
+      if (b < of.size()) of[b].push_back({a, half});
     }
-    for (Arm& arm : arms) sum += arm.weight = 1 / std::max(arm.weight, 1e-3 * longest + 1e-30);
-    for (Arm& arm : arms) arm.weight /= sum;
   }
 };
 
@@ -72,13 +79,13 @@ bool continuesMesh(const Loop& loop, const BorderRings& rings, const LoopFill& f
 
 }  // namespace
 
-void fairFill(const Loop& loop, const BorderRings& rings, const SurfaceVertices& vertices,
-              LoopFill& fill) {
+void fairFill(const Loop& loop, const BorderRings& rings, const std::vector<Triangle>& triangles,
+              const SurfaceVertices& vertices, LoopFill& fill) {
   const std::size_t n = loop.size(), unknown = fill.positions.size() - n;
   if (unknown == 0) return;
-  const Stencils stencils(loop, rings, vertices, fill);
-  // Least squares: the sum over some vertices of the squared distance from the mean of the
-  // neighbours. Over the new vertices alone that is a membrane, with the loop's a plate.
+  const Laplacian laplacian(loop, rings, triangles, vertices, fill);
+  // Least squares of the Laplacian over some vertices, each by its area: over the new ones alone
+  // that is a membrane, with the loop's a plate.
   const std::size_t first = continuesMesh(loop, rings, fill) ? 0 : n;
   const auto rows = static_cast<Eigen::Index>(fill.positions.size() - first);
   const auto columns = static_cast<Eigen::Index>(unknown);
@@ -86,17 +93,20 @@ void fairFill(const Loop& loop, const BorderRings& rings, const SurfaceVertices&
   Eigen::MatrixX3d known = Eigen::MatrixX3d::Zero(rows, 3);
   for (std::size_t i = first; i < fill.positions.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i - first);
+    const double share = laplacian.area[i] > 0 ? 1 / std::sqrt(laplacian.area[i]) : 0;
     const auto add = [&](std::uint32_t node, double weight) {
       if (node >= n && node < fill.positions.size()) {
         entries.emplace_back(row, static_cast<Eigen::Index>(node - n), weight);
         return;
       }
       for (Eigen::Index a = 0; a < 3; ++a) {
-        known(row, a) -= weight * stencils.positions[node][static_cast<std::size_t>(a)];
+        known(row, a) -= weight * laplacian.positions[node][static_cast<std::size_t>(a)];
       }
     };
-    add(static_cast<std::uint32_t>(i), -1);
-    for (const Stencils::Arm& arm : stencils.of[i]) add(arm.to, arm.weight);
+    for (const Laplacian::Arm& arm : laplacian.of[i]) {
+      add(arm.to, share * arm.weight);
+      add(static_cast<std::uint32_t>(i), -share * arm.weight);
+    }
   }
   Eigen::SparseMatrix<double> a(rows, columns);
   a.setFromTriplets(entries.begin(), entries.end());

@@ -25,6 +25,8 @@ class BorderRings {
   const std::vector<Loop>& loops() const { return loops_; }
   /** Vertices connected to one on the border, ascending; none for others. */
   IndexRow neighbours(std::uint32_t v) const;
+  /** Triangles about a vertex on the border, by number; none for others. */
+  IndexRow trianglesAt(std::uint32_t v) const;
   /** The unit normal of the triangle at the border edge that begins at v in its loop. */
   const Vector3& normalAt(std::uint32_t v) const { return normals_[slot_[v]]; }
 
@@ -32,7 +34,7 @@ class BorderRings {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::vector<std::uint32_t> slot_;  ///< of each vertex; kNone: it is not on the border
-  std::vector<std::uint32_t> begin_, neighbours_;
+  std::vector<std::uint32_t> begin_, neighbours_, fan_begin_, fans_;
   std::vector<Vector3> normals_;
   std::vector<Loop> loops_;
 };
@@ -64,9 +66,10 @@ LoopFill connectLoop(const Loop& loop, const BorderRings& rings, const SurfaceVe
 void refineFill(const Loop& loop, const BorderRings& rings, LoopFill& fill);
 
 /** Moves the new vertices: to the thin plate that continues the mesh around the loop where the
- * triangles do so at all, to a membrane where they are across its end. */
-void fairFill(const Loop& loop, const BorderRings& rings, const SurfaceVertices& vertices,
-              LoopFill& fill);
+ * triangles do so at all, to a membrane where they are across its end; by cotangent weights, which
+ * are exact on planes. O(n) for the n vertices of a fill, about, and a sparse factorisation. */
+void fairFill(const Loop& loop, const BorderRings& rings, const std::vector<Triangle>& triangles,
+              const SurfaceVertices& vertices, LoopFill& fill);
 
 /** Closes a loop by all three steps, and appends the triangles and the new vertices, with normals
  * and without curvature. */
