@@ -13,6 +13,8 @@ constexpr double kFlat = 2e-3;   ///< height over longest edge of a triangle wit
 constexpr double kTiny = 1e-3;   ///< longest edge over the mesh's mean edge of one
 constexpr double kNeedle = 0.3;  ///< shortest over longest edge below which that is collapsed first
 constexpr double kLift = 0.02;   ///< of the longest edge: a corner that is moved off it
+constexpr double kTurn = 0.9;    ///< least cosine of the normals of triangles before and after
+constexpr double kOffPlane = 0.3;  ///< of the way
 constexpr int kMostPasses = 10;
 
 class Cleaner {
@@ -160,9 +162,23 @@ class Cleaner {
       Vector3 corner[3];
       for (std::size_t k = 0; k < 3; ++k) corner[k] = own[k] == v ? place : at(own[k]);
       const Vector3 after = cross(subtract(corner[1], corner[0]), subtract(corner[2], corner[0]));
-      if (!isFlat(own) && !(dot(areaOf(own), after) > 0)) return false;
+      const Vector3 before = areaOf(own);
+      if (!isFlat(own) && !(dot(before, after) > kTurn * length(before) * length(after)))
+        return false;
     }
     return true;
+  }
+
+  /** Whether a place is off the plane of a triangle of v: going there would round off an edge or a
+   * corner. */
+  bool leavesPlanes(std::uint32_t v, const Vector3& place) const {
+    const Vector3 step = subtract(place, at(v));
+    const double most = std::max(tiny_, kOffPlane * length(step));
+    for (const std::uint32_t t : fanOf(v)) {
+      const Vector3 area = areaOf(triangles_[t]);
+      if (!isFlat(triangles_[t]) && std::abs(dot(area, step)) > most * length(area)) return true;
+    }
+    return false;
   }
 
   /** Joins b to a, if the mesh stays a manifold of the same kind and no triangle turns over. */
@@ -174,6 +190,7 @@ class Cleaner {
     const auto shared = atEdge(a, b);
     if (common.size() != shared.size() || of_a.size() + of_b.size() < shared.size() + 5)
       return false;
+    if (leavesPlanes(b, at(a))) return false;
     const bool b_on_border = onBorder(b);
     if (b_on_border && (shared.size() == 2 || !onBorder(a))) return false;
     if (!mayMove(b, a, at(a))) return false;
