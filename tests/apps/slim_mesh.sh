@@ -27,7 +27,7 @@ awk '{ print NF == 4 && $1 ~ /^-?[0-9]/ ? $1 " " $2 " " $3 : $0 }' ball.pcd |
 expect 0 '' ball.pcd a.ply -json a.json
 grep -q 'closed, 1 component' out.txt || complain "it does not say that the mesh is closed"
 for key in program points threads seconds surfels triangles vertices components border_edges nonmanifold \
-  euler dropped tolerance; do
+  euler dropped tolerance area closed_holes closed_area border_loops sheet_ends longest_loop widest_hole; do
   grep -q "\"$key\"" a.json || complain "no $key in the report"
 done
 [ "$(value a.json euler)" = 2 ] || complain "Euler characteristic $(value a.json euler)"
@@ -42,7 +42,19 @@ header a.ply "element vertex $(value a.json vertices)"
 expect 0 '' bowl.pcd bowl.ply -json b.json
 [ "$(value b.json euler)" = 1 ] || complain "a bowl's Euler characteristic $(value b.json euler)"
 [ "$(value b.json border_edges)" -gt 20 ] || complain "a bowl without a border"
-grep -q 'open' out.txt || complain "it does not say that the mesh is open"
+grep -q 'open, 1 border loop of' out.txt || complain "it does not say that the mesh is open"
+[ "$(value b.json border_loops)" = 1 ] || complain "$(value b.json border_loops) loops of a bowl"
+grep -q 'hole.*-watertight 1' out.txt || complain "it does not say what closes the bowl"
+
+# It is closed on request, and by the hole's size where its rim is one in a ball.
+expect 0 '' bowl.pcd whole.ply -watertight 1 -json w.json
+[ "$(value w.json euler)" = 2 ] || complain "watertight: Euler characteristic $(value w.json euler)"
+[ "$(value w.json border_edges)" = 0 ] || complain "watertight: $(value w.json border_edges) border edges"
+[ "$(value w.json nonmanifold)" = 0 ] || complain "watertight: not manifold"
+grep -q 'closed: 1 border loop by' out.txt || complain "it does not say what was closed"
+size=$(awk -v w="$(value b.json widest_hole)" 'BEGIN { print w + 1 }')
+expect 0 '' bowl.pcd whole.ply -hole "$size" -json w.json
+[ "$(value w.json border_loops)" = 0 ] || complain "-hole $size closes nothing"
 
 # The other formats.
 for format in obj stl glb vtp; do expect 0 '' ball.pcd "a.$format" -color 1; done

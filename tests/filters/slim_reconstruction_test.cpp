@@ -125,6 +125,24 @@ TEST(SLIMReconstruction, IsClosedAndFollowsItsSetters) {
   EXPECT_TRUE(mesh.cloud.data.empty());
 }
 
+TEST(SLIMReconstruction, ClosesEveryBorderOnRequest) {
+  const auto whole = bumpySphere<pcl::PointXYZ>(5000);
+  const auto half = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (const auto& p : *whole)
+    if (p.z < 0) half->push_back(p);
+  SLIMReconstruction<pcl::PointXYZ> reconstruction;
+  reconstruction.setInputCloud(half);
+  pcl::PolygonMesh mesh;
+  reconstruction.reconstruct(mesh);
+  EXPECT_EQ(reconstruction.getMeshStatistics().border_loops, 1u);
+  reconstruction.setWatertight(true);
+  EXPECT_TRUE(reconstruction.getWatertight());
+  reconstruction.reconstruct(mesh);
+  EXPECT_EQ(reconstruction.getMeshStatistics().border_loops, 0u);
+  EXPECT_EQ(reconstruction.getMeshStatistics().census.euler, 2);
+  EXPECT_GT(reconstruction.getMeshStatistics().closed_area, 0);
+}
+
 TEST(SLIMReconstruction, ColoursComeFromThePoints) {
   auto cloud = bumpySphere<pcl::PointXYZRGB>(5000);
   for (auto& p : *cloud) {

@@ -12,9 +12,11 @@ namespace {
 constexpr double kKernelShare = 0.36;    ///< effective points of (1 - s^2)^4 over those in the ball
 constexpr float kBorder = 0.5f;          ///< of SurfaceVertices::outside
 constexpr std::size_t kMostPlaces = 64;  ///< of a loop at which the spacing is evaluated
-/// Cosine between what closes a loop and the mesh around it: -1 at the end of a flat sheet, 0 at
-/// that of a pipe, 1 at a hole.
-constexpr double kEnd = -0.3;
+/// Cosine between what closes a loop and the mesh around it below which it folds: -1 at the end of
+/// a flat sheet, 0 at that of a pipe, 1 at a hole.
+constexpr double kFolds = -0.3;
+/// Of a component's area: a loop as long as a circle around more goes around a sheet.
+constexpr double kSheet = 0.2;
 
 /** The mean density of the points along each loop, local units. */
 std::vector<double> densitiesAlong(const ProbeField& field, const std::vector<Loop>& loops,
@@ -42,7 +44,8 @@ std::vector<double> densitiesAlong(const ProbeField& field, const std::vector<Lo
 /** A border loop seen from the side that closes it. */
 struct LoopView {
   double length = 0;    ///< local units
-  bool is_end = false;  ///< what closes it faces away from the mesh around it
+  bool folds = false;   ///< what closes it faces away from the mesh around it
+  bool is_end = false;  ///< a sheet ends there: it folds, and goes around much of its component
   double spacing = 0;   ///< of the points around, local units; 0: unknown
   std::vector<BorderPiece> border;
 
@@ -60,8 +63,8 @@ struct LoopView {
       length += size;
     }
     const double flat = pcl_slim::length(area);
-    is_end = dot(area, around) < kEnd * flat * length;
-    if (is_end || !(flat > 0) || !(density > 0)) return;
+    folds = dot(area, around) < kFolds * flat * length;
+    if (!(flat > 0) || !(density > 0)) return;
     spacing = 1 / std::sqrt(density);
     const PlaneView view(origin, normalized(area));
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -69,11 +72,38 @@ struct LoopView {
     }
   }
 
-  /** The widest disc [spacings], as widestDisc() has it; of a loop that is no end. */
+  /** The widest disc [spacings], as widestDisc() has it. */
   double width(double least, double most) const {
     return spacing > 0 ? widestDisc(border, least * spacing, most * spacing) / spacing : least;
   }
 };
+
+/** Views of all loops. O(loops' vertices), and O(T) where one of them folds. */
+std::vector<LoopView> viewLoops(const ProbeField& field, const BorderRings& rings,
+                                const std::vector<Triangle>& triangles,
+                                const SurfaceVertices& vertices) {
+  const std::vector<Loop>& loops = rings.loops();
+  const std::vector<double> densities = densitiesAlong(field, loops, vertices);
+  std::vector<LoopView> views;
+  bool folds = false;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    views.emplace_back(loops[i], densities[i], rings, vertices);
+    folds = folds || views.back().folds;
+  }
+  if (!folds) return views;
+  std::size_t count = 0;
+  const auto component = componentsOf(triangles, vertices.count(), count);
+  std::vector<double> area(count, 0);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    area[component[t]] += areaOf(triangles[t], vertices);
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const double circle = views[i].length * views[i].length / (4 * M_PI);
+    const double own = area[component[rings.trianglesAt(loops[i][0])[0]]];
+    views[i].is_end = views[i].folds && circle > kSheet * own;
+  }
+  return views;
+}
 
 }  // namespace
 
@@ -103,7 +133,7 @@ ClosedLoops closeLoops(const ProbeField& field, const LoopChoice& choice,
   if (!choice.all && !(choice.width > 0)) return closed;
   const BorderRings rings(triangles, vertices, field.threads);
   const std::vector<Loop>& loops = rings.loops();
-  const std::vector<double> densities = densitiesAlong(field, loops, vertices);
+  const std::vector<LoopView> views = viewLoops(field, rings, triangles, vertices);
   std::vector<std::uint8_t> closes(loops.size(), 0);
   parallelFor(loops.size(), field.threads, 8, [&](std::size_t i, int) {
     const bool inside =
@@ -111,8 +141,7 @@ ClosedLoops closeLoops(const ProbeField& field, const LoopChoice& choice,
           return vertices.outside[v] <= kBorder;
         });
     if (!inside) return;
-    const LoopView view(loops[i], densities[i], rings, vertices);
-    const bool narrow = !view.is_end && view.width(0, choice.width) < choice.width;
+    const bool narrow = !views[i].is_end && views[i].width(0, choice.width) < choice.width;
     closes[i] = choice.all || narrow ? 1 : 0;
   });
   const auto first = static_cast<std::uint32_t>(vertices.count());
@@ -131,12 +160,10 @@ ClosedLoops closeLoops(const ProbeField& field, const LoopChoice& choice,
 void countLoops(const ProbeField& field, double scale, const std::vector<Triangle>& triangles,
                 const SurfaceVertices& vertices, MeshStatistics& statistics) {
   const BorderRings rings(triangles, vertices, field.threads);
-  const std::vector<double> densities = densitiesAlong(field, rings.loops(), vertices);
   constexpr double kAny = std::numeric_limits<double>::infinity();
   double widest = 0;
   bool hole = false;
-  for (std::size_t i = 0; i < densities.size(); ++i) {
-    const LoopView view(rings.loops()[i], densities[i], rings, vertices);
+  for (const LoopView& view : viewLoops(field, rings, triangles, vertices)) {
     ++statistics.border_loops;
     statistics.longest_loop = std::max(statistics.longest_loop, scale * view.length);
     if (view.is_end) {

@@ -154,8 +154,9 @@ class Cleaner {
     lift(t, longest);
   }
 
-  /** Whether the triangles of v, but for those at `but`, keep their side with v moved to a place. */
-  bool mayMove(std::uint32_t v, std::uint32_t but, const Vector3& place) const {
+  /** Whether the triangles of v, but for those at `but`, keep their side with v moved to a place.
+   * \param[in] least cosine of their normals before and after */
+  bool mayMove(std::uint32_t v, std::uint32_t but, const Vector3& place, double least) const {
     for (const std::uint32_t t : fanOf(v)) {
       const Triangle& own = triangles_[t];
       if (but != kNone && has(own, but)) continue;
@@ -163,7 +164,7 @@ class Cleaner {
       for (std::size_t k = 0; k < 3; ++k) corner[k] = own[k] == v ? place : at(own[k]);
       const Vector3 after = cross(subtract(corner[1], corner[0]), subtract(corner[2], corner[0]));
       const Vector3 before = areaOf(own);
-      if (!isFlat(own) && !(dot(before, after) > kTurn * length(before) * length(after)))
+      if (!isFlat(own) && !(dot(before, after) > least * length(before) * length(after)))
         return false;
     }
     return true;
@@ -193,7 +194,7 @@ class Cleaner {
     if (leavesPlanes(b, at(a))) return false;
     const bool b_on_border = onBorder(b);
     if (b_on_border && (shared.size() == 2 || !onBorder(a))) return false;
-    if (!mayMove(b, a, at(a))) return false;
+    if (!mayMove(b, a, at(a), kTurn)) return false;
     for (const std::uint32_t t : shared) remove(t);
     for (const std::uint32_t t : fanOf(b)) {
       for (std::uint32_t& v : triangles_[t]) v = v == b ? a : v;
@@ -253,7 +254,7 @@ class Cleaner {
       const Vector3 step = normalized(cross(vertices_.normal[v], line));
       const Vector3 place = along(at(v), way * kLift * size, step);
       const Vector3 before = at(v);
-      if (!mayMove(v, kNone, place)) continue;
+      if (!mayMove(v, kNone, place, 0)) continue;
       vertices_.position[v] = place;
       if (!isFlat(own)) return;
       vertices_.position[v] = before;
