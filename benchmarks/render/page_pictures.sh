@@ -20,7 +20,7 @@ sheet() {
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile x1 -geometry +2+2 "${png[@]}" "$out/$picture"
 }
 
-# Meshes: three scans, and a part with sharp edges.
+# Meshes: three scans, a part with sharp edges, and the holes in a base.
 mesh() { "$bin/pcl_slim_mesh" "$data/$1" "$2.ply" -quiet 1 "${@:3}"; }
 draw() { "$bin/mesh_picture" "$1.ply" "$1.png" "${@:2}"; }
 mesh stanford_dragon_res2.ply dragon
@@ -37,6 +37,11 @@ for name in rounded noisy original; do
   draw $name -eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 5.6 -size 420
 done
 sheet mesh_sharp.png 'with noise' rounded 'with noise, -sharp 1' noisy 'without noise, -sharp 1' original
+for name in open watertight; do
+  mesh stanford_bunny_zipper.ply $name -watertight "$([ $name = open ] && echo 0 || echo 1)"
+  draw $name -eye 0.1,-1,0.35 -up 0,0,1 -middle -0.017,0.034,0.027 -width 0.17 -size 440
+done
+sheet mesh_watertight.png 'by default' open '-watertight 1' watertight
 
 # Lines of a scan.
 "$bin/pcl_slim_lines" "$data/stanford_dragon_res2.ply" lines.svg -strength 1 -quiet 1

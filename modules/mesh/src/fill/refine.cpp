@@ -10,7 +10,7 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kDensity = 1.4142135623730951;  ///< of Liepa: a centroid that far from all corners
-constexpr double kGrowth = 0.25;  ///< by which triangles grow with the distance from the loop
+constexpr double kGrowth = 0.1;  ///< by which triangles grow with the distance from the loop
 constexpr int kMostRounds = 40, kFlipRounds = 8;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
