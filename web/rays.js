@@ -123,19 +123,25 @@ function blendLeaf(s, rules, i, eye, direction, first, sum) {
   const hat = (first - near.depth) / r, hat2 = near.distance2 + hat * hat;
   if (!(hat2 < 1)) return;
   const frame = frameOf(s, i), a = alongRay(s, i, frame, near.point, direction), slope = derived(a);
-  if (!(Math.abs(value(a, hat)) < rules.kMaxShift)) return;
+  const atHat = value(a, hat), behind = value(a, hat + rules.kBehind);
+  if (!(Math.abs(atHat) < rules.kMaxShift)) return;
   const low = Math.max(-near.half, (rules.near - near.depth) / r);
   let root = Infinity;
   for (const x of roots(a, low, near.half)) {
     if (Math.abs(x - hat) < Math.abs(root - hat) && !(rules.front && value(slope, x) >= 0)) root = x;
   }
+  if (root === Infinity) {
+    if (atHat > 0) sum.clearance += s.weight[i] * kernel(s.kernel, hat2) * r * behind;
+    return;
+  }
   const root2 = near.distance2 + root * root, weight = s.weight[i] * kernel(s.kernel, Math.max(hat2, root2));
-  if (root === Infinity || !(weight > 0)) return;
+  if (!(weight > 0)) return;
   const q = along(near.point, root, direction), [u, v, w] = frame, qu = dot(q, u), qv = dot(q, v);
   const [hu, hv, huu, huv, hvv] = heightJet(s, i, qu, qv), side = value(slope, root) > 0 ? -1 : 1;
   sum.weight += weight;
   sum.shift += weight * (root - hat) * r;
   sum.coverage += kernel(s.kernel, root2 / s.coverRadius ** 2);
+  sum.clearance += weight * r * Math.min(side * behind, 0);
   if (rules.trim) sum.outside += weight * outsideShare(s, i, qu, qv);
   sum.offsets = along(sum.offsets, weight, q);
   sum.side += side;
@@ -149,7 +155,7 @@ function blendLeaf(s, rules, i, eye, direction, first, sum) {
 }
 
 function isSupported(s, rules, sum) {
-  if (sum.outside > 0.5 * sum.weight) return false;
+  if (sum.outside > 0.5 * sum.weight || sum.clearance > 0) return false;
   if (sum.coverage >= s.coverThreshold) return true;
   return sum.leaves >= rules.kMinLeaves && length(sum.offsets) < rules.kMaxMeanOffset * sum.weight;
 }
@@ -192,7 +198,7 @@ export function cast(s, rules, eye, direction) {
   for (let layer = 0; layer < rules.kMaxLayers; ++layer) {
     const first = firstHit(s, rules, eye, direction, nearest);
     if (first > end || first === Infinity) return null;
-    const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, leaves: 0, side: 0, largest: 0, leaf: -1,
+    const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, clearance: 0, leaves: 0, side: 0, largest: 0, leaf: -1,
                  offsets: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);
     if (sum.leaf < 0) return null;
@@ -204,7 +210,7 @@ export function cast(s, rules, eye, direction) {
       if (s.colored) hit.color = colorAt(s, rules, point, s.oriented && sum.side < 0 ? scaled(normal, -1) : normal);
       return hit;
     }
-    nearest = first + rules.kPeelStep * s.radius[sum.leaf];
+    nearest = first + (sum.clearance > 0 ? rules.kBehind : rules.kPeelStep) * s.radius[sum.leaf];
   }
   return null;
 }

@@ -19,7 +19,7 @@ int slimTrimWord(int at) { return texelFetch(slimTrims, ivec2(at & 2047, at >> 1
 export const OUTPUTS = count => `layout(location = 0) out vec4 slimOut[${count}];\n`;
 
 /** A surfel as the box around the part of its polynomial inside its ball. Back faces are drawn: they are
- * there even where the eye is inside. Its depth is that of the ball's front, the same all over. */
+ * there even where the eye is inside. Blends need rays that pass above it, too. Its depth is that of the ball's front, the same all over. */
 const HULL_VERTEX = `
 layout(location = 0) in vec4 slimHeights;  // bounds within the reach of pass 1, and in the whole ball
 layout(location = 1) in float slimSteep;   // bound of the slope
@@ -42,7 +42,8 @@ void main()
   int corner = 1 << gl_VertexID;  // of a cube as one strip
   vec2 heights = slimFirstPass != 0 ? slimHeights.xy : slimHeights.zw;
   float x = (0x287a & corner) != 0 ? 1.001 : -1.001, y = (0x02af & corner) != 0 ? 1.001 : -1.001;
-  float z = (0x31e3 & corner) != 0 ? heights.y + slimMargin : heights.x - slimMargin;
+  float above = slimFirstPass != 0 ? slimMargin : kMaxShift;
+  float z = (0x31e3 & corner) != 0 ? heights.y + above : heights.x - slimMargin;
   vec3 place = (center + ball.w * (slimReach * (x * u + y * cross(w, u)) + z * w)) * slimAxes;
   float along = slimScreen.w > 0.0 ? 1.0 : place.z;
   float front = (slimScreen.w > 0.0 ? depth : length(center)) - 1.001 * ball.w;

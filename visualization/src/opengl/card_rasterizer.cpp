@@ -274,7 +274,7 @@ Error CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left) {
   if (Error error = pass.begin(frameVertexShader(), peelShader())) return error;
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[source]);
-  for (std::size_t i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 5; ++i) {
     pass.texture(("slimSums" + std::to_string(i)).c_str(), targets_.sums[i]);
   }
   glBeginQuery(GL_SAMPLES_PASSED, query_);

@@ -368,10 +368,10 @@ bool slimReaches(Leaf leaf, float s_hat)
 float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 {
   float hat2 = leaf.distance2 + s_hat * s_hat;
+  s = kNoRoot;
   if (!(abs(slimValue(a, s_hat)) < kMaxShift)) return 0.0;
   float high = sqrt(max(0.0, 1.0 - leaf.distance2));
   float low = max(-high, (slimNear - leaf.depth) / leaf.radius);
-  s = kNoRoot;
   if (!(low <= high)) return 0.0;
   vec4 roots = slimRoots(a, low, high);
   for (int i = 0; i < 4; ++i) {
@@ -407,6 +407,14 @@ void slimJet(Leaf leaf, float u, float v, out vec2 g, out vec3 h)
   }
 }
 
+// Adds a leaf without a root on the ray, which may pass above it.
+void slimMiss(Leaf leaf, float hat2, float at_hat, float behind)
+{
+  if (!(at_hat > 0.0 && at_hat < kMaxShift)) discard;
+  for (int i = 0; i < 4; ++i) gl_FragData[i] = vec4(0.0);
+  gl_FragData[4] = vec4(0.0, 0.0, 0.0, leaf.weight * slimWeight(hat2) * leaf.radius * behind);
+}
+
 void main()
 {
   float first = texelFetch(slimFirst, ivec2(gl_FragCoord.xy), 0).x;
@@ -417,7 +425,11 @@ void main()
   float a[5], s, s_hat = (first - leaf.depth) / leaf.radius;
   if (!slimReaches(leaf, s_hat)) discard;
   slimAlongRay(leaf, direction, a);
-  float w = slimBlendedRoot(leaf, a, s_hat, s);
+  float w = slimBlendedRoot(leaf, a, s_hat, s), behind = slimValue(a, s_hat + kBehind);
+  if (s == kNoRoot) {
+    slimMiss(leaf, leaf.distance2 + s_hat * s_hat, slimValue(a, s_hat), behind);
+    return;
+  }
   if (!(w > 0.0)) discard;
   vec3 q = leaf.point + s * direction;
   vec2 g;
@@ -436,7 +448,7 @@ void main()
   gl_FragData[4] = vec4(scale * (h.x * u.x * u.y + h.y * (u.x * v.y + v.x * u.y) + h.z * v.x * v.y),
                         scale * (h.x * u.x * u.z + h.y * (u.x * v.z + v.x * u.z) + h.z * v.x * v.z),
                         scale * (h.x * u.y * u.z + h.y * (u.y * v.z + v.y * u.z) + h.z * v.y * v.z),
-                        0.0);
+                        w * leaf.radius * min(side * behind, 0.0));
 }
 )";
 
@@ -506,9 +518,9 @@ uniform sampler2D slimSums3;
 uniform sampler2D slimSums4;
 uniform float slimMinCoverage;
 
-bool slimSupported(vec4 sum, vec3 offsets, float outside)
+bool slimSupported(vec4 sum, vec3 offsets, float outside, float clearance)
 {
-  if (outside > 0.5 * sum.x) return false;
+  if (outside > 0.5 * sum.x || clearance > 0.0) return false;
   if (sum.z >= slimMinCoverage) return true;
   return sum.w > kMinLeaves - 0.5 && dot(offsets, offsets) < kMaxMeanOffset * kMaxMeanOffset * sum.x * sum.x;
 }
@@ -539,10 +551,11 @@ void main()
   float first = texelFetch(slimFirst, at, 0).x;
   vec4 sum = texelFetch(slimSums0, at, 0);
   vec4 offsets = texelFetch(slimSums1, at, 0), bent = texelFetch(slimSums3, at, 0);
-  if (!(sum.x > 0.0) || !slimSupported(sum, offsets.xyz, bent.w)) discard;
+  vec4 bent_aside = texelFetch(slimSums4, at, 0);
+  if (!(sum.x > 0.0) || !slimSupported(sum, offsets.xyz, bent.w, bent_aside.w)) discard;
   vec3 g = texelFetch(slimSums2, at, 0).xyz / sum.x;
   vec3 d = bent.xyz / sum.x;
-  vec3 o = texelFetch(slimSums4, at, 0).xyz / sum.x;
+  vec3 o = bent_aside.xyz / sum.x;
   float depth = (first + sum.y / sum.x) * slimScale;
   bool behind = slimOriented != 0 && offsets.w < 0.0;
   gl_FragData[0] = vec4(g / sqrt(max(dot(g, g), 1e-30)), behind ? -depth : depth);
@@ -558,9 +571,11 @@ void main()
   if (texelFetch(slimNearest, at, 0).x < 0.0) discard;
   vec4 sum = texelFetch(slimSums0, at, 0);
   vec3 offsets = texelFetch(slimSums1, at, 0).xyz;
-  if (!(sum.x > 0.0) || slimSupported(sum, offsets, texelFetch(slimSums3, at, 0).w)) discard;
+  float outside = texelFetch(slimSums3, at, 0).w, clearance = texelFetch(slimSums4, at, 0).w;
+  if (!(sum.x > 0.0) || slimSupported(sum, offsets, outside, clearance)) discard;
   float radius = texelFetch(slimSums2, at, 0).w / sum.x;
-  gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + kPeelStep * radius);
+  float step = clearance > 0.0 ? kBehind : kPeelStep;
+  gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + step * radius);
 }
 )";
 

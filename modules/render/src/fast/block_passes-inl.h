@@ -25,13 +25,14 @@ constexpr float kInfinite = std::numeric_limits<float>::infinity();
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {
   Vec weight, shift, coverage, facing, best;
-  Vec outside;  ///< of w outsideShare(): of the trim maps
+  Vec clearance;  ///< of w r heightBehind()
+  Vec outside;    ///< of w outsideShare(): of the trim maps
   Vec gradient[3], hessian[6], offset_sum[3], leaves;
   UintVec surfel;
 
   void clear() {
     const Vec zero = set(0.0f);
-    weight = shift = coverage = facing = best = outside = leaves = zero;
+    weight = shift = coverage = facing = best = outside = clearance = leaves = zero;
     for (auto& g : gradient) g = zero;
     for (auto& h : hessian) h = zero;
     for (auto& l : offset_sum) l = zero;
@@ -345,20 +346,31 @@ struct Hats {
   }
 };
 
-/** Where a leaf's own surface crosses each ray next to q^, if it passes q^ by less than kMaxShift.
- */
+/** f of a leaf on each ray, in radii. */
+struct Heights {
+  Vec at_hat;
+  Vec behind;  ///< at kBehind behind q^
+};
+
+/** Where a leaf's own surface crosses each ray next to q^, in the lanes of live; of these, those stay
+ * in which it passes q^ by less than kMaxShift. */
 template <int D>
 HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats,
-                                Vec near_sigma, Mask live) {
+                                Vec near_sigma, Mask& live, Heights& heights) {
   RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
+  const Vec m = rays.scaleAt(hats.sigma), step = set(kBehind) * m * m;
   if constexpr (D == 2) {
-    const Vec away = Abs(f.value(hats.sigma)) * hats.inverse_m_sq;
-    return nextRoot(context, f, hats.sigma, near_sigma, And(live, away < set(kMaxShift)));
+    heights.at_hat = f.value(hats.sigma) * hats.inverse_m_sq;
+    heights.behind = f.value(hats.sigma + step) * hats.inverse_m_sq;
+    live = And(live, Abs(heights.at_hat) < set(kMaxShift));
+    return nextRoot(context, f, hats.sigma, near_sigma, live);
   } else {
     f.shift(hats.sigma);
     Vec power = hats.inverse_m_sq * hats.inverse_m;
     if constexpr (D == 4) power = hats.inverse_m_sq * hats.inverse_m_sq;
-    live = And(live, Abs(f.a[0]) * power < set(kMaxShift));
+    heights.at_hat = f.a[0] * power;
+    heights.behind = f.value(step) * power;
+    live = And(live, Abs(heights.at_hat) < set(kMaxShift));
     return nextRoot<D>(context, rays, f, hats.sigma, near_sigma, live);
   }
 }
@@ -370,23 +382,28 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
   const FrameLeaf& leaf = *place.leaf;
   const LeafRays rays = raysOf(place, block);
   const Hats hats(place, rays, block);
-  const Mask live = And(block.pending, hats.distance_sq < set(context.blend_sq));
+  Mask live = And(block.pending, hats.distance_sq < set(context.blend_sq));
   if (AllFalse(live)) return;
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
-  const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live);
+  Heights heights;
+  const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live, heights);
   // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0
   // would not keep out of the sums: q^ takes its place.
   const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);
-  Mask counts = And(near.found, from_center_sq < set(context.blend_sq) * (m * m));
+  const Vec m_sq = m * m;
+  Mask counts = And(near.found, from_center_sq < set(context.blend_sq) * m_sq);
+  Mask missed = AndNot(And(near.found, from_center_sq < m_sq), live);
+  missed = And(missed, heights.at_hat > set(0.0f));
   if (context.with_near_plane) counts = And(counts, near.sigma >= near_sigma);
   Crossing at;
   at.sigma = IfThenElse(counts, near.sigma, hats.sigma);
   at.slope = IfThenElseZero(counts, near.slope);
   at.inverse_m = set(1.0f) / IfThenElse(counts, m, set(1.0f));
   const Vec root_sq = from_center_sq * (at.inverse_m * at.inverse_m);
-  const Vec s_sq = Max(hats.distance_sq, root_sq);
-  at.weight = IfThenElseZero(counts, set(leaf.variance_weight) * blendWeight(context.kernel, s_sq));
+  const Vec s_sq = IfThenElse(counts, Max(hats.distance_sq, root_sq), hats.distance_sq);
+  const Vec weight = set(leaf.variance_weight) * blendWeight(context.kernel, s_sq);
+  at.weight = IfThenElseZero(counts, weight);
   sums.weight += at.weight;
   // s - s^ = (sigma - sigma^) / (m m^).
   const Vec moved = (at.sigma - hats.sigma) * (at.inverse_m * hats.inverse_m);
@@ -398,6 +415,9 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
     at.side = IfThenElse(near.slope > set(0.0f), set(-1.0f), set(1.0f));
     sums.facing += IfThenElseZero(counts, at.side);
   }
+  const Vec met = IfThenElseZero(counts, Min(heights.behind * at.side, set(0.0f)));
+  const Vec height = IfThenElse(missed, heights.behind, met);
+  sums.clearance = MulAdd(weight * set(leaf.radius), height, sums.clearance);
   const Mask better = at.weight > sums.best;
   sums.best = Max(sums.best, at.weight);
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);

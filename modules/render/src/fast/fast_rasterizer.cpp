@@ -77,13 +77,14 @@ void blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lan
   const RaySurfel leaf(scene.surface, surfel);
   std::uint64_t evaluated = 0;
   for (std::size_t i = 0; i < lanes.count; ++i) {
-    lanes.weight[i] = 0.0f;
+    lanes.weight[i] = lanes.clearance[i] = 0.0f;
     if (!(lanes.live[i] > 0.0f)) continue;
     const Ray ray = scene.rays.ray(static_cast<int>(lanes.x[i]), static_cast<int>(lanes.y[i]));
     const DepthScale scale(scene, ray, lanes.tile_depth);
     BlendSum sum;
     blendLeaf(scene.rules, scene.surface.info.blend_kernel, leaf, surfel, ray,
               scale.along(lanes.first[i]), sum, evaluated);
+    lanes.clearance[i] = static_cast<float>(sum.clearance);
     if (sum.leaves == 0) continue;
     lanes.weight[i] = static_cast<float>(sum.weight);
     lanes.shift[i] = static_cast<float>(sum.shift / scale.slant);

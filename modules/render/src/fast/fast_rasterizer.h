@@ -107,6 +107,7 @@ struct NearLanes {
   alignas(64) float weight[kSize], shift[kSize];  ///< of one leaf in pass 2
   alignas(64) float coverage[kSize], facing[kSize], offset_sum[3][kSize];
   alignas(64) float outside[kSize];
+  alignas(64) float clearance[kSize];                       ///< of leaves without weight, too
   alignas(64) float gradient[3][kSize], hessian[6][kSize];  ///< times weight, camera's axes
   float tile_depth;                                         ///< D of the tile
   std::size_t count;

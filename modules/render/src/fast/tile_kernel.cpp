@@ -137,10 +137,10 @@ HWY_NOINLINE void noteUncovered(const PassContext& context, Mask uncovered, cons
   HWY_ALIGN float step[16], wanted[16], x[16], y[16], nearest[16];
   store(sums.surfel, surfel);
   store(IfThenElseZero(uncovered, set(1.0f)), wanted);
+  const Mask above = sums.clearance > set(0.0f);
+  store(IfThenElse(above, set(kBehind), set(kPeelStep)), step);
   for (int i = 0; i < kLanes; ++i) {
-    step[i] = wanted[i] > 0.0f
-                  ? static_cast<float>(kPeelStep) * context.scene.surface.radius[surfel[i]]
-                  : 0.0f;
+    step[i] = wanted[i] > 0.0f ? step[i] * context.scene.surface.radius[surfel[i]] : 0.0f;
   }
   const Vec forward = load(step) / block.slant;
   Vec behind = block.first + forward;
@@ -186,6 +186,7 @@ HWY_NOINLINE void blendNear(const PassContext& context, const FrameLeaf& leaf, c
   add(sums.shift, lanes.shift);
   add(sums.coverage, lanes.coverage);
   add(sums.outside, lanes.outside);
+  sums.clearance += load(lanes.clearance);
   add(sums.facing, lanes.facing);
   for (int a = 0; a < 3; ++a) {
     add(sums.gradient[a], lanes.gradient[a]);
@@ -267,7 +268,8 @@ HWY_INLINE Mask uncoveredLanes(const PassContext& context, const Block& block,
                                const BlockSums& sums) {
   const auto min_coverage = static_cast<float>(context.scene.rules.min_coverage);
   const Mask met = sums.weight > set(0.0f);
-  const Mask outside = sums.outside > set(0.5f) * sums.weight;
+  const Mask outside =
+      Or(sums.outside > set(0.5f) * sums.weight, And(met, sums.clearance > set(0.0f)));
   Mask uncovered = AndNot(outside, And(met, sums.coverage < set(min_coverage)));
   if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
   return Or(uncovered, outside);

@@ -21,14 +21,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {
-  Vec weight, shift, coverage, leaves, facing;
+  Vec weight, shift, coverage, leaves, facing, clearance;
   Vec gradient[3], hessian[6], offset_sum[3], spread[3];
   double outside = 0.0;  ///< of w outsideShare(), over all lanes
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
   LaneSums() {
-    weight = shift = coverage = leaves = facing = Zero(Tag());
+    weight = shift = coverage = leaves = facing = clearance = Zero(Tag());
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
     for (auto& l : offset_sum) l = weight;
@@ -44,6 +44,7 @@ struct LaneSums {
     sum.shift = over(shift);
     sum.coverage = over(coverage);
     sum.outside = outside;
+    sum.clearance = over(clearance);
     sum.leaves = static_cast<int>(over(leaves));
     sum.facing = static_cast<std::int32_t>(over(facing));
     for (int a = 0; a < 3; ++a) {
@@ -192,6 +193,12 @@ HWY_INLINE void addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sum
   }
 }
 
+/** Adds the heights of leaves that a ray misses next to q^, see heightBehind(). */
+HWY_INLINE void addMissed(Vec at_hat, Vec behind, Vec weight, Mask missed, LaneSums& sums) {
+  const Mask above = And(missed, at_hat > Zero(Tag()));
+  sums.clearance += IfThenElseZero(above, weight * behind);
+}
+
 /** Adds leaves k, k + 1, ... of a block to a blend, as blendLeaf(). */
 template <int D>
 HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& head,
@@ -227,6 +234,9 @@ HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& h
   const Vec root_sq = dot3(q, q);
   Vec weight = block.column(kBlockVariance) * kernelWeight(kernel, Max(hat_sq, root_sq));
   const Mask added = And(roots.found, weight > zero);
+  const Vec behind = line.value(set(kBehind)), radius = block.column(kBlockRadius);
+  addMissed(line.a[0], behind, block.column(kBlockVariance) * kernelWeight(kernel, hat_sq) * radius,
+            AndNot(roots.found, counts), sums);
   if (AllFalse(d, added)) return;
   // A lane without a root may contain anything, infinity too, and no product with 0 mends that.
   const auto only = [added](Vec x) HWY_ATTR { return IfThenElseZero(added, x); };
@@ -235,12 +245,13 @@ HWY_INLINE void addLeaves(const BlendContext& context, const LeafBlocks::Head& h
   const Vec cover =
       set(static_cast<float>(1.0 / (context.scene.cover_radius * context.scene.cover_radius)));
   sums.weight += weight;
-  sums.shift = MulAdd(weight, s * block.column(kBlockRadius), sums.shift);
+  sums.shift = MulAdd(weight, s * radius, sums.shift);
   sums.coverage += only(kernelWeight(kernel, root_sq * cover));
   sums.leaves += only(one);
   const Mask rises = line.slope(s) > zero;
   const Vec side = IfThenElse(rises, Neg(one), one);
   sums.facing += only(side);
+  sums.clearance = MulAdd(weight * radius, Min(only(side * behind), zero), sums.clearance);
   addPlaces(pointAt(p, s, direction), weight, added, sums);
   const Vec at_u = MulAdd(s, line.d.x, u), at_v = MulAdd(s, line.d.y, v);
   addDerivatives<D>(block, frame, at_u, at_v, side * weight, context.rules.with_hessian, sums);

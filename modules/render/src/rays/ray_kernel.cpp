@@ -241,17 +241,21 @@ HWY_INLINE void traceLayers(const BlendContext& context, const BoundedRay& ray, 
       return;
     }
     ++context.counts.peeled;
-    nearest = depth + kPeelStep * double{context.scene.surface.radius[sum.surfel]};
+    nearest = depth + peelStep(sum) * double{context.scene.surface.radius[sum.surfel]};
   }
+}
+
+/** Whether a blend is on the surface. */
+bool isOnSurface(const RayRules& rules, const BlendSum& sum) {
+  return isSupported(sum, rules.min_coverage) && (rules.enclosed || !passesAbove(sum));
 }
 
 void traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit) {
   hit = BlendedHit();
   const Line line(ray.ray, context.scene.tree.bounds);
-  const double coverage = context.rules.min_coverage;
   traceLayers(
       context, ray, line, ray.farthest, context.scene.shrink,
-      [&](const BlendSum& sum) { return isSupported(sum, coverage); }, hit);
+      [&](const BlendSum& sum) { return isOnSurface(context.rules, sum); }, hit);
   if (hit.met() || !context.rules.close_gaps) return;
   // Between shrunk balls a ray may slip through a sheet that continues all around it.
   traceLayers(
@@ -315,7 +319,7 @@ bool blockedOne(const BlendContext& context, const BoundedRay& ray) {
   const Line line(ray.ray, context.scene.tree.bounds);
   const double coverage = context.rules.min_coverage;
   if (anyRoot(context, ray, line, context.scene.shrink, coverage,
-              [&](const BlendSum& sum) { return isSupported(sum, coverage); })) {
+              [&](const BlendSum& sum) { return isOnSurface(context.rules, sum); })) {
     return true;
   }
   if (!context.rules.close_gaps) return false;

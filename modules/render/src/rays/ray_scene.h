@@ -133,6 +133,7 @@ struct RayRules {
   bool front_only = false;    ///< first roots and blends: only where the gradient faces the ray
   bool with_hessian = false;  ///< blend second derivatives too
   bool close_gaps = false;    ///< look beyond shrunk balls where a ray meets nothing in them
+  bool enclosed = false;      ///< pixels about the rays met the surface: none passes above it
   double min_coverage = 0.1;  ///< where it is less, the surface is not defined
 };
 

@@ -87,10 +87,17 @@ void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& su
   if (!(hat_sq < 1.0)) return;
   ++evaluated;
   const RayPolynomial polynomial(surfel, approach, ray.direction);
-  if (!(std::abs(evaluate<4>(polynomial.a, s_hat)) < kMaxShift)) return;
+  const double at_hat = evaluate<4>(polynomial.a, s_hat);
+  if (!(std::abs(at_hat) < kMaxShift)) return;
+  const double behind = evaluate<4>(polynomial.a, s_hat + kBehind);
   const Chord chord(surfel, approach, 1.0, rules.near_plane);
   double s = 0.0;
-  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, rules.front_only, s)) return;
+  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, rules.front_only, s)) {
+    if (!(at_hat > 0.0)) return;
+    sum.clearance += surfel.variance_weight * evaluateKernel(kernel, hat_sq) * surfel.radius *
+                     heightBehind(behind, false);
+    return;
+  }
 
   const Vector3 q = along(approach.point, s, ray.direction);
   const double u = dot(q, surfel.frame.u), v = dot(q, surfel.frame.v);
@@ -104,6 +111,7 @@ void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& su
   sum.weight += weight;
   sum.shift += weight * (s - s_hat) * surfel.radius;
   sum.coverage += evaluateKernel(kernel, root_sq / (rules.cover_radius * rules.cover_radius));
+  sum.clearance += weight * surfel.radius * heightBehind(side * behind, true);
   if (rules.trim) sum.outside += weight * outsideShare(surfel.trim, u, v);
   for (std::size_t k = 0; k < 3; ++k) sum.offset_sum[k] += weight * q[k];
   ++sum.leaves;

@@ -111,6 +111,7 @@ struct BlendSum {
   double shift = 0.0;  ///< of w (t - t^): q is on the ray
   double coverage = 0.0;
   double outside = 0.0;                    ///< of w outsideShare(): of the trim maps
+  double clearance = 0.0;                  ///< of w r heightBehind()
   double offset_sum[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r
   double spread[3] = {0.0, 0.0,
                       0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
@@ -127,6 +128,19 @@ struct BlendSum {
 double firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
                  double limit, std::uint64_t& evaluated);
 
+/** \brief The height of a leaf under a ray just behind q^, as it counts in BlendSum::clearance.
+ *
+ * Beside a silhouette a ray meets the leaf that extends farthest and passes above the others, which
+ * have no root on it and no part in the blend. So leaves that the ray misses count with their height
+ * and those that it meets with their depth, if they are met before: else their root is farther
+ * behind. Where the sum is above 0 the ray passes above the surface.
+ * \param[in] behind f at kBehind behind q^, above 0 outside [radii]; of a leaf seen from behind, that of the
+ * side which is seen
+ * \param[in] met whether the leaf has a root on the ray. O(1). */
+inline double heightBehind(double behind, bool met) {
+  return met && behind > 0.0 ? 0.0 : behind;
+}
+
 /** \brief Adds one leaf to one pixel's blend. */
 void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
                std::uint32_t id, const Ray& ray, double depth_hat, BlendSum& sum,
@@ -135,9 +149,20 @@ void blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& su
 /** \brief Whether a blend is beyond the border that trim maps draw. */
 bool isOutside(const BlendSum& sum);
 
+/** \brief Whether a ray passes above the leaves around its first intersection, taken together. */
+inline bool passesAbove(const BlendSum& sum) {
+  return sum.clearance > 0.0;
+}
+
+/** \brief From a first intersection that is not on the surface to where the search continues
+ * [radii]. */
+inline double peelStep(const BlendSum& sum) {
+  return passesAbove(sum) ? kBehind : kPeelStep;
+}
+
 /** \brief Whether a blend belongs to the surface: its leaves cover it, or it is in a gap between
- * leaves all around it; and it is inside the border that trim maps draw. Beyond the rim of what
- * was measured all leaves are on one side. */
+ * leaves all around it; and it is not isOutside(). Beyond the rim of what was measured all leaves
+ * are on one side. passesAbove() is not looked at. */
 bool isSupported(const BlendSum& sum, double min_coverage);
 
 /** \brief Divides a blend's sums and writes them into a pixel of the buffer. */

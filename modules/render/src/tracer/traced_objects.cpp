@@ -34,6 +34,7 @@ class TracedLeaves : public TracedObject {
     const bool closed = scene_.surface.info.hasFront() && view.params.cuts.empty();
     rules.front_only = frontOnly(view.params.sides, closed);
     rules.close_gaps = view.params.close_gaps;
+    rules.enclosed = view.enclosed;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
     std::vector<BlendedHit> hits(count);
     kernels::traceHits(scene_, rules, rays, count, hits.data(), counts);
@@ -332,7 +333,7 @@ std::uint64_t GapCloser::close(const Camera& camera, const RenderParams& params,
   TraceParams tracing;
   tracing.sides = params.sides;
   tracing.columns = params.columns;
-  const TraceView view{tracing, &rays};
+  const TraceView view{tracing, &rays, true};
   std::vector<std::uint8_t> tried(buffer.numPixels(), 0);
   std::uint64_t all = 0;
   for (;;) {  // from the rims of wide gaps inwards

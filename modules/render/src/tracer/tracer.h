@@ -21,6 +21,7 @@ namespace pcl_slim::detail {
 struct TraceView {
   const TraceParams& params;
   const CameraRays* camera;  ///< null: rays of no camera
+  bool enclosed = false;     ///< RayRules::enclosed
 };
 
 /** \brief What a ray met, in the object's local units. */

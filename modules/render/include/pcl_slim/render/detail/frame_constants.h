@@ -19,16 +19,19 @@ constexpr double kMaxShrink =
 constexpr double kMaxShift = 0.25;       ///< distance of q^ from a leaf's own surface [radii]
 constexpr double kMinLeaves = 3.0;       ///< that surround a gap which still belongs to the surface
 constexpr double kMaxMeanOffset = 0.25;  ///< of those leaves' middle from the gap [radii]
+constexpr double kBehind =
+    0.05;  ///< how far behind q^ leaves that the ray misses are weighed [radii]
 constexpr double kPeelStep = 0.02;  ///< where the search continues behind an uncovered flap [radii]
 constexpr int kMaxLayers = 8;       ///< how often a ray may pass through uncovered flaps
 constexpr double kDetailFade = 1.5;   ///< sizes over which surfels fade [levels of detail]
 constexpr double kDetailMeets = 0.4;  ///< surfels of a smaller share are not met by rays of pass 1
 
 /** \brief What the shaders of visualization/ and of a page need of them. */
-constexpr std::array<FrameConstant, 7> kFrameConstants{{{"kMaxShrink", kMaxShrink},
+constexpr std::array<FrameConstant, 8> kFrameConstants{{{"kMaxShrink", kMaxShrink},
                                                         {"kMaxShift", kMaxShift},
                                                         {"kMinLeaves", kMinLeaves},
                                                         {"kMaxMeanOffset", kMaxMeanOffset},
+                                                        {"kBehind", kBehind},
                                                         {"kPeelStep", kPeelStep},
                                                         {"kDetailFade", kDetailFade},
                                                         {"kDetailMeets", kDetailMeets}}};
