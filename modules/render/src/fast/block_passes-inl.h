@@ -349,7 +349,7 @@ struct Hats {
 /** f of a leaf on each ray, in radii. */
 struct Heights {
   Vec at_hat;
-  Vec behind;  ///< at kBehind behind q^
+  Vec behind;  ///< about kBehind behind q^
 };
 
 /** Where a leaf's own surface crosses each ray next to q^, in the lanes of live; of these, those stay
@@ -358,10 +358,11 @@ template <int D>
 HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats,
                                 Vec near_sigma, Mask& live, Heights& heights) {
   RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
-  const Vec m = rays.scaleAt(hats.sigma), step = set(kBehind) * m * m;
+  const Vec step = set(static_cast<float>(kBehind));
   if constexpr (D == 2) {
     heights.at_hat = f.value(hats.sigma) * hats.inverse_m_sq;
-    heights.behind = f.value(hats.sigma + step) * hats.inverse_m_sq;
+    const Vec rise = MulAdd(f.a[2], step, f.slope(hats.sigma)) * step;
+    heights.behind = MulAdd(rise, hats.inverse_m_sq, heights.at_hat);
     live = And(live, Abs(heights.at_hat) < set(kMaxShift));
     return nextRoot(context, f, hats.sigma, near_sigma, live);
   } else {
@@ -407,7 +408,8 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
   sums.weight += at.weight;
   // s - s^ = (sigma - sigma^) / (m m^).
   const Vec moved = (at.sigma - hats.sigma) * (at.inverse_m * hats.inverse_m);
-  sums.shift = MulAdd(at.weight * set(leaf.radius), moved, sums.shift);
+  const Vec reach = weight * set(leaf.radius);
+  sums.shift = MulAdd(reach, moved, sums.shift);
   const Vec cover = blendWeight(context.kernel, root_sq * set(leaf.inverse_cover_sq));
   sums.coverage += IfThenElseZero(counts, cover);
   at.side = set(1.0f);
@@ -415,9 +417,10 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
     at.side = IfThenElse(near.slope > set(0.0f), set(-1.0f), set(1.0f));
     sums.facing += IfThenElseZero(counts, at.side);
   }
-  const Vec met = IfThenElseZero(counts, Min(heights.behind * at.side, set(0.0f)));
+  const Vec behind = context.front_only ? heights.behind : heights.behind * at.side;
+  const Vec met = IfThenElseZero(counts, Min(behind, set(0.0f)));
   const Vec height = IfThenElse(missed, heights.behind, met);
-  sums.clearance = MulAdd(weight * set(leaf.radius), height, sums.clearance);
+  sums.clearance = MulAdd(reach, height, sums.clearance);
   const Mask better = at.weight > sums.best;
   sums.best = Max(sums.best, at.weight);
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);

@@ -206,11 +206,12 @@ bool peelUncovered(const FrameContext& frame, Tile& tile) {
       if (!tile.is_pending[pixel]) continue;
       BlendSum& sum = tile.sums[pixel];
       const bool met = sum.surfel != GBuffer::kNothing;
-      if (!met || isSupported(sum, frame.rules.min_coverage)) {
+      if (!met || (isSupported(sum, frame.rules.min_coverage) && !passesAbove(sum))) {
         tile.is_pending[pixel] = 0;
         continue;
       }
-      tile.nearest[pixel] = tile.first_depth[pixel] + kPeelStep * frame.surface.radius[sum.surfel];
+      tile.nearest[pixel] =
+          tile.first_depth[pixel] + peelStep(sum) * frame.surface.radius[sum.surfel];
       tile.first_depth[pixel] = tile.farthest[pixel];
       sum = BlendSum();
       left = {std::min(left.x0, x), std::min(left.y0, y), std::max(left.x1, x),
