@@ -411,7 +411,7 @@ void slimJet(Leaf leaf, float u, float v, out vec2 g, out vec3 h)
 void slimMiss(Leaf leaf, float hat2, float at_hat, float behind)
 {
   if (!(at_hat > 0.0 && at_hat < kMaxShift)) discard;
-  for (int i = 0; i < 4; ++i) gl_FragData[i] = vec4(0.0);
+  gl_FragData[0] = gl_FragData[1] = gl_FragData[2] = gl_FragData[3] = vec4(0.0);
   gl_FragData[4] = vec4(0.0, 0.0, 0.0, leaf.weight * slimWeight(hat2) * leaf.radius * behind);
 }
 
