@@ -21,6 +21,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
+#include "pcl_slim/surface/surface_components.h"
 #include "scan/cloud_file.h"
 #include "support/lab/bench.h"
 
@@ -181,6 +182,7 @@ int run(const Settings& s, const CloudView& view, const borders::RimScene* scene
     printCost(s, surface, stats, cost);
     const bool looks = s.draw || s.mesh;
     const auto near = looks ? std::make_unique<Near>(surface, *store, stats.threads) : nullptr;
+    dropComponents(meshParams(s).min_component_points, surface, stats.threads);  // as programs do
     if (s.draw) printBorders(s, surface, *near);
     if (s.draw && scene != nullptr) printRims(s, surface, *scene);
     if (s.mesh) error = printMesh(s, surface, *near);

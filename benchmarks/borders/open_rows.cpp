@@ -16,6 +16,7 @@
 #include "pcl_slim/filters/io/mesh_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/render/ray_tracer.h"
+#include "pcl_slim/surface/surface_components.h"
 #include "support/lab/bench.h"
 
 namespace pcl_slim::borders {
@@ -129,6 +130,7 @@ class OpenRows {
     const Result<PointStore> store = PointStore::build(row.scene.view(row.normals), s_.fit.threads);
     if (!store) return store.error();
     if (Error error = fitSurface(*store, s_.fit, surface, &fit)) return error;
+    dropComponents(s_.mesh.min_component_points, surface, s_.fit.threads);  // as programs do
     return extractMesh(surface, s_.mesh, mesh, &statistics);
   }
 
