@@ -72,6 +72,7 @@ class LocalSpacing {
 
  private:
   std::size_t middleOf(std::size_t block) const;
+  double guessAt(std::size_t point) const;
   float raw(std::size_t block);
 
   const PointStore& store_;

@@ -63,6 +63,24 @@ std::size_t LocalSpacing::middleOf(std::size_t block) const {
   return middle;
 }
 
+/** About the distance of the 16th neighbour, from a few points of the same block. */
+double LocalSpacing::guessAt(std::size_t point) const {
+  constexpr std::size_t kFew = 4;
+  constexpr double kFarther = 2.2, kLeast = 1e-7;
+  const Vector3 place = store_.position(point);
+  const std::size_t begin = point / PointStore::kBlock * PointStore::kBlock;
+  const std::size_t end = std::min(begin + PointStore::kBlock, store_.size());
+  std::array<double, PointStore::kBlock> squares{};
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vector3 offset = subtract(store_.position(i), place);
+    squares[i - begin] = dot(offset, offset);
+  }
+  const auto last = squares.begin() + static_cast<std::ptrdiff_t>(end - begin);
+  const auto few = squares.begin() + static_cast<std::ptrdiff_t>(std::min(kFew, end - begin - 1));
+  std::nth_element(squares.begin(), few, last);
+  return kFarther * std::sqrt(*few) + kLeast;
+}
+
 float LocalSpacing::at(std::size_t point) const {
   const Vector3 place = store_.position(point);
   thread_local std::vector<std::uint32_t> blocks, found;
@@ -82,14 +100,8 @@ float LocalSpacing::at(std::size_t point) const {
                                found.data());
   };
   const double in_noise = kInNoise * noise_;
-  const std::size_t b = point / PointStore::kBlock;
-  const BlockTree::Level& boxes = store_.tree().levels().front();
-  const double guess =
-      0.6 * std::hypot(boxes.max_x[b] - boxes.min_x[b], boxes.max_y[b] - boxes.min_y[b],
-                       boxes.max_z[b] - boxes.min_z[b]) +
-      1e-7;
   const std::size_t enough = std::min(kNeighbors + 1, store_.size());
-  double reach = std::max(guess, in_noise);
+  double reach = std::max(guessAt(point), in_noise);
   std::size_t count = countWithin(reach);
   while (count < enough) count = countWithin(reach *= 1.4);
   if (count < 2) return 1.0f;

@@ -177,7 +177,6 @@ struct TrimConstants {
   double cell = 0.5;           ///< width of a raster's cells
   double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
   double looked_at = 0.9;      ///< [r] borders beyond do not open a surfel: its weight is next to 0
-  double sail = 10.0;          ///< width of discs that a surface off the data leaves empty
   int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
@@ -210,11 +209,6 @@ class TrimRaster {
   /** \brief Lists the points at the rims of places that findGaps() found. O(points + places). */
   void findRims(const SheetPoints& points, const std::vector<std::array<double, 2>>& places,
                 std::vector<std::uint32_t>& rims);
-
-  /** \brief Drops the places that findGaps() found and wider discs about points at their rims
-   * cover. \param[in] ratios of these points' spacings to the scale's. O(rims times rows of discs). */
-  void coverSparse(const SheetPoints& points, const std::vector<std::uint32_t>& rims,
-                   const std::vector<float>& ratios, std::vector<std::array<double, 2>>& places);
 
   /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as
    * covered. O(points + cells). */
