@@ -85,8 +85,7 @@ void findBlocked(const SweepPlane& plane, double reach, double least, NearPoints
     const auto distance_sq = MulAdd(u, u, MulAdd(v, v, w * w));
     const auto own = Load(d, points.own.data() + i) > Zero(d);
     const auto of_sheet = Abs(w) <= slope * Sqrt(MulAdd(u, u, v * v));
-    const auto behind = And(tip > Zero(d), Abs(w) < Zero(d) - u);
-    const auto at_tip = Or(behind, Sqrt(Load(d, points.distance_sq.data() + i)) <= tip);
+    const auto at_tip = Sqrt(Load(d, points.distance_sq.data() + i)) <= tip;
     const auto counts =
         And(And(distance_sq <= most_sq, flat_sq >= least_sq), Or(own, Or(of_sheet, at_tip)));
     if (AllFalse(d, counts)) continue;

@@ -17,7 +17,7 @@ constexpr std::uint32_t kPartner = 1u << 30, kAlone = 1u << 31;
 constexpr int kHalfTen = 511;         ///< ten bits encode -1 to 1 in this many steps to each side
 constexpr double kCoincident = 1e-3;  ///< [spacing] nearer points have no direction
 constexpr std::size_t kAround = 9;  ///< nearest points on a side of a border, which give a spacing
-constexpr int kTurns = 12;          ///< frames about a rim, 15 degrees apart
+constexpr int kTurns = 6;           ///< frames about a rim, 30 degrees apart
 constexpr int kSteps = 4;           ///< spacings that a point is tested by, at most
 constexpr double kHighest = 6.0;    ///< [RMS noise] of the sheet over a point of it
 

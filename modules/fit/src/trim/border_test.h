@@ -51,7 +51,7 @@ struct SweepPlane {
   double height = 0;              ///< of the sheet over the place
   double window = 0;              ///< heights over the sheet's that count as none
   double slope = -1;  ///< points of other sides count up to this height over their distance ...
-  double tip = -1;    ///< ... and, from 0 on, up to this distance, or behind v and lower than far
+  double tip = -1;    ///< ... or up to this distance
   double turn = 0;    ///< of the plane about v, after heights are reduced; radians
 };
 
