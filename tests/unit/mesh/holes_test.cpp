@@ -221,4 +221,30 @@ TEST(Holes, AreClosedAlongTheSurfaceAround) {
   EXPECT_NEAR(statistics.area / (4 * M_PI * 28 * 28), 1, 0.002);
 }
 
+/** The holes that stay of 25, in a flat or wavy plate of 80 x 80 spacings. */
+std::uint64_t holesKept(double width, double wave) {
+  Cloud cloud;
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> gauss(0, 0.1);
+  for (int i = 0; i < 6400; ++i) {
+    const double x = uniform(random, 0, 80), y = uniform(random, 0, 80);
+    const double dx = std::remainder(x - 8, 16), dy = std::remainder(y - 8, 16);
+    if (std::hypot(dx, dy) < width / 2) continue;
+    cloud.addNoisy({x, y, wave * std::sin(x / 8)}, gauss, random);
+  }
+  TriangleMesh mesh;
+  MeshStatistics statistics;
+  EXPECT_FALSE(extractMesh(pcl_slim_test::fitted(cloud).surface, {}, mesh, &statistics));
+  EXPECT_EQ(statistics.sheet_ends, 1u);
+  return statistics.border_loops - 1;
+}
+
+TEST(Holes, StayFromSixSpacingsOn) {
+  for (const double wave : {0.0, 3.0}) {
+    EXPECT_GE(holesKept(6, wave), 24u) << "one may be narrower by chance";
+    EXPECT_EQ(holesKept(7, wave), 25u);
+    EXPECT_EQ(holesKept(4.5, wave), 0u);
+  }
+}
+
 }  // namespace

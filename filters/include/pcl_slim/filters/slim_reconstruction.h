@@ -24,7 +24,7 @@ namespace pcl_slim {
  * \endcode
  *
  * Every setter of the fit is there. Closed bodies give closed meshes; open scans give meshes that
- * end where the points do, with their holes. Every edge has at most two triangles, which face the
+ * end where the points do, with their holes; setWatertight() closes those. Every edge has at most two triangles, which face the
  * side of the normals. A search method is not needed and not used.
  *
  * A missing or empty cloud, one without a finite point, indices and parameters out of range are

@@ -178,7 +178,6 @@ class Cutter {
   const SurfaceVertices& vertices_;
 };
 
-constexpr int kBendRounds = 3;
 constexpr double kBendShare = 0.15;  ///< of the points' spacing: the border is no finer than that
 constexpr double kBendReach = 0.5;   ///< of an edge: how far the border is sought from its middle
 constexpr double kBendDepth = 0.7;   ///< of a triangle's height: no deeper
@@ -265,8 +264,8 @@ bool faceAlike(const Triangle& first, const Triangle& second, const Triangle& wh
 }
 
 /** Divides edges of the border whose middle is farther from where the data end than the tolerance
- * and than a share of the spacing. \return whether any. */
-bool bendBorder(const ProbeField& field, double tolerance, std::vector<Triangle>& triangles,
+ * and than a share of the spacing. */
+void bendBorder(const ProbeField& field, double tolerance, std::vector<Triangle>& triangles,
                 SurfaceVertices& vertices) {
   std::vector<BorderEdge> edges = trimmedEdges(triangles, field.threads, vertices);
   probeEdges(field, triangles, edges, vertices);
@@ -289,7 +288,6 @@ bool bendBorder(const ProbeField& field, double tolerance, std::vector<Triangle>
   findBorder(field, first, cuts, vertices);
   const std::vector<double> densities = densitiesAt(field, middles, vertices);
   std::vector<bool> divided(triangles.size(), false);
-  bool any = false;
   for (std::uint32_t i = 0; i < edges.size(); ++i) {
     const std::uint32_t t = edges[i].use / 3;
     const double off =
@@ -303,9 +301,8 @@ bool bendBorder(const ProbeField& field, double tolerance, std::vector<Triangle>
     triangles[t] = begin;
     triangles.push_back(rest);
     vertices.on_border[first + i] = 1;
-    divided[t] = any = true;
+    divided[t] = true;
   }
-  return any;
 }
 
 }  // namespace
@@ -332,9 +329,7 @@ void trimAtBorder(const ProbeField& field, double tolerance, std::vector<Triangl
   made.reserve(triangles.size());
   for (const Triangle& t : triangles) cutter.add(t, made);
   triangles = std::move(made);
-  for (int round = 0; round < kBendRounds; ++round) {
-    if (!bendBorder(field, tolerance, triangles, vertices)) break;
-  }
+  bendBorder(field, tolerance, triangles, vertices);
 }
 
 }  // namespace pcl_slim::detail

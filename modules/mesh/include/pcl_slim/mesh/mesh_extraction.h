@@ -63,10 +63,9 @@ struct MeshStatistics {
   std::uint64_t border_loops = 0;  ///< of the mesh
   std::uint64_t sheet_ends = 0;    ///< of these: around a sheet, not around a hole in it
   double longest_loop = 0;         ///< [world units]
-  double widest_hole =
-      0;  ///< of loops that are no ends of sheets: a larger hole_size closes them all
-  DroppedComponents left_out;  ///< of the surface, before it was triangulated
-  std::uint64_t dropped = 0;   ///< triangles of components left out
+  double widest_hole = 0;          ///< of the other loops: a larger hole_size closes them all
+  DroppedComponents left_out;      ///< of the surface, before it was triangulated
+  std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
   std::uint64_t edge_vertices = 0;    ///< added where two faces of the sharp surface meet
   std::uint64_t corner_vertices = 0;  ///< added where three meet
@@ -79,6 +78,8 @@ struct MeshStatistics {
  * put onto the surface by equations (6) and (7) of Ohtake, Belyaev, Alexa 2005.
  *
  * Closed surfaces give closed meshes; where a surface has trim maps the mesh ends on their border.
+ * Holes that are narrower than requested are closed, whatever their reason. What closes a hole has
+ * no curvature.
  * Every edge has at most two triangles. Triangles face the side of the surface's normals; those of
  * an unoriented surface agree within each component where that is possible.
  *
