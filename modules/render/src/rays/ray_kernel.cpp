@@ -245,9 +245,19 @@ HWY_INLINE void traceLayers(const BlendContext& context, const BoundedRay& ray, 
   }
 }
 
+/** Whether a ray does not pass above the surface, as far as that matters. */
+bool isBelow(const RayRules& rules, const BlendSum& sum) {
+  return rules.enclosed || !passesAbove(sum);
+}
+
 /** Whether a blend is on the surface. */
 bool isOnSurface(const RayRules& rules, const BlendSum& sum) {
-  return isSupported(sum, rules.min_coverage) && (rules.enclosed || !passesAbove(sum));
+  return isSupported(sum, rules.min_coverage) && isBelow(rules, sum);
+}
+
+/** Whether a blend is on the surface between shrunk balls. */
+bool isInGap(const RayRules& rules, const BlendSum& sum, const Ray& ray) {
+  return closesGap(sum, ray.direction) && isBelow(rules, sum);
 }
 
 void traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit) {
@@ -260,7 +270,7 @@ void traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hi
   // Between shrunk balls a ray may slip through a sheet that continues all around it.
   traceLayers(
       context, ray, line, ray.farthest, kMaxShrink,
-      [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); }, hit);
+      [&](const BlendSum& sum) { return isInGap(context.rules, sum, ray.ray); }, hit);
   if (hit.met()) ++context.counts.closed;
 }
 
@@ -278,6 +288,7 @@ HWY_INLINE bool anyAccepted(const BlendContext& context, const BoundedRay& ray, 
                                Min(roots.from_center_sq * set(cover), set(1.0f)));
   const Vec needed = set(static_cast<float>(alone));
   const bool trimmed = scene.surface.hasTrimMaps();
+  // Without a blend, not even whether the ray passes above it: that moves a shadow's edge by a hair.
   if (!trimmed && (bitsOf(own >= needed) & met) != 0) return true;
   HWY_ALIGN float depths[kWide];
   Store(roots.s * roots.radius, d, depths);
@@ -326,7 +337,7 @@ bool blockedOne(const BlendContext& context, const BoundedRay& ray) {
   BoundedRay beyond = ray;
   beyond.nearest = std::max(ray.nearest, ray.nearest_gap);
   return anyRoot(context, beyond, line, kMaxShrink, HUGE_VAL,
-                 [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); });
+                 [&](const BlendSum& sum) { return isInGap(context.rules, sum, ray.ray); });
 }
 
 void traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
