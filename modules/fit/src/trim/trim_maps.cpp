@@ -43,7 +43,7 @@ class TrimMaker {
   void prepare(std::size_t begin, std::size_t end);
 
   /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
-   * if it is closed. \param[in] by_leaves the surfel is open where leaves that were made before are
+   * if it is closed. \param[in] by_leaves whether gaps count only where a leaf made before is open.
    * O(points of the ball). */
   int make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bits);
 
