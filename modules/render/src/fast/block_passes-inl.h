@@ -349,7 +349,7 @@ struct Hats {
 /** f of a leaf on each ray, in radii. */
 struct Heights {
   Vec at_hat;
-  Vec behind;  ///< about kBehind behind q^
+  Vec behind;  ///< about kBehind behind q^, to the second order
 };
 
 /** Where a leaf's own surface crosses each ray next to q^, in the lanes of live; of these, those stay
@@ -361,8 +361,8 @@ HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays
   const Vec step = set(static_cast<float>(kBehind));
   if constexpr (D == 2) {
     heights.at_hat = f.value(hats.sigma) * hats.inverse_m_sq;
-    const Vec rise = MulAdd(f.a[2], step, f.slope(hats.sigma)) * step;
-    heights.behind = MulAdd(rise, hats.inverse_m_sq, heights.at_hat);
+    const Vec rise = MulAdd(f.a[2], step, f.slope(hats.sigma)) * hats.inverse_m_sq;
+    heights.behind = MulAdd(rise, step, heights.at_hat);
     live = And(live, Abs(heights.at_hat) < set(kMaxShift));
     return nextRoot(context, f, hats.sigma, near_sigma, live);
   } else {
@@ -370,10 +370,18 @@ HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays
     Vec power = hats.inverse_m_sq * hats.inverse_m;
     if constexpr (D == 4) power = hats.inverse_m_sq * hats.inverse_m_sq;
     heights.at_hat = f.a[0] * power;
-    heights.behind = f.value(step) * power;
+    heights.behind = MulAdd(MulAdd(f.a[2], step, f.a[1]) * power, step, heights.at_hat);
     live = And(live, Abs(heights.at_hat) < set(kMaxShift));
     return nextRoot<D>(context, rays, f, hats.sigma, near_sigma, live);
   }
+}
+
+/** Adds the heights of a leaf that rays miss next to q^, see heightBehind(). */
+HWY_NOINLINE void addMissed(const PassContext& context, const FrameLeaf& leaf, const Hats& hats,
+                            Vec behind, Mask missed, BlockSums& sums) {
+  const Vec weight = blendWeight(context.kernel, hats.distance_sq);
+  const Vec height = set(leaf.variance_weight * leaf.radius) * weight * behind;
+  sums.clearance += IfThenElseZero(missed, height);
 }
 
 /** Pass 2 of one leaf. */
@@ -402,13 +410,12 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
   at.slope = IfThenElseZero(counts, near.slope);
   at.inverse_m = set(1.0f) / IfThenElse(counts, m, set(1.0f));
   const Vec root_sq = from_center_sq * (at.inverse_m * at.inverse_m);
-  const Vec s_sq = IfThenElse(counts, Max(hats.distance_sq, root_sq), hats.distance_sq);
-  const Vec weight = set(leaf.variance_weight) * blendWeight(context.kernel, s_sq);
-  at.weight = IfThenElseZero(counts, weight);
+  const Vec s_sq = Max(hats.distance_sq, root_sq);
+  at.weight = IfThenElseZero(counts, set(leaf.variance_weight) * blendWeight(context.kernel, s_sq));
   sums.weight += at.weight;
   // s - s^ = (sigma - sigma^) / (m m^).
   const Vec moved = (at.sigma - hats.sigma) * (at.inverse_m * hats.inverse_m);
-  const Vec reach = weight * set(leaf.radius);
+  const Vec reach = at.weight * set(leaf.radius);
   sums.shift = MulAdd(reach, moved, sums.shift);
   const Vec cover = blendWeight(context.kernel, root_sq * set(leaf.inverse_cover_sq));
   sums.coverage += IfThenElseZero(counts, cover);
@@ -418,9 +425,8 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
     sums.facing += IfThenElseZero(counts, at.side);
   }
   const Vec behind = context.front_only ? heights.behind : heights.behind * at.side;
-  const Vec met = IfThenElseZero(counts, Min(behind, set(0.0f)));
-  const Vec height = IfThenElse(missed, heights.behind, met);
-  sums.clearance = MulAdd(reach, height, sums.clearance);
+  sums.clearance += IfThenElseZero(counts, reach * Min(behind, set(0.0f)));
+  if (!AllFalse(missed)) addMissed(context, leaf, hats, heights.behind, missed, sums);
   const Mask better = at.weight > sums.best;
   sums.best = Max(sums.best, at.weight);
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);
