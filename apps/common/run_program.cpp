@@ -16,6 +16,7 @@
 #include <new>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "pcl_slim/core/file_access.h"
 
@@ -196,7 +197,8 @@ int runProgram(OptionTable& options, int argc, const char* const* argv, const st
   if (exit.status == kExitDone) return kExitDone;
   const int signal = g_signal.load();
   if (exit.status != kExitInterrupted && signal != 0) exit = stopped();
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), printable(exit.message).c_str());
+  std::fprintf(stderr, "%s: %s\n", options.program().c_str(),
+               printable(std::move(exit.message)).c_str());  // no memory is taken
   return exit.status == kExitInterrupted && signal != 0 ? 128 + signal : exit.status;
 }
 

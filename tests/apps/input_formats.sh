@@ -165,7 +165,7 @@ head -c 9000 survey.las > cut.las
 expect 2 'truncated' cut.las d.slim
 head -c 100 survey.las > cut.las
 expect 2 'truncated' cut.las d.slim
-expect 2 'mkfifo' - d.slim
+expect 2 '/dev/stdin' - d.slim
 mkfifo pipe.las
 cat survey.las > pipe.las &
 expect 0 '' pipe.las d.slim

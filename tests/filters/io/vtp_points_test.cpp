@@ -192,10 +192,7 @@ TEST(VtpPoints, FacesArePolygons) {
   EXPECT_EQ(read->face_begin, file.face_begin);
   EXPECT_EQ(read->face_vertices, file.face_vertices);
   file.face_vertices[4] = 9;
-  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
-  const auto refused = loadPointFile(folder / "a.vtp");
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("vertices"), std::string::npos);
+  EXPECT_NE(savePointFile(folder / "a.vtp", file).message.find("vertex 9 of 9"), std::string::npos);
 }
 
 TEST(VtpPoints, ATakenNameGrows) {

@@ -5,6 +5,7 @@
 #include <pcl/point_types.h>
 #include <pcl/search/search.h>
 
+#include <array>
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
@@ -30,7 +31,7 @@ struct CloudInput {
 struct DescribedCloud {
   CloudView view;
   std::vector<float> estimated;  ///< normals, three floats a point, which view refers to
-  std::vector<pcl::shared_ptr<const void>> kept;  ///< what else view refers to
+  std::array<pcl::shared_ptr<const void>, 5> kept;  ///< what else view refers to
 
   DescribedCloud() = default;
   DescribedCloud(DescribedCloud&&) = default;

@@ -172,10 +172,10 @@ void TrimMaker::markOpen(std::uint32_t k) {
 /** Gives a surface the widest spacing of the points next to gaps: at a step of density that of the
  * sparse side, whose points are no farther from each other than usual. */
 void TrimMaker::widenSpacing(std::size_t i, SupportedSurface& surface) {
-  for (const std::uint32_t k : rims_) {
-    const double spacing = local_spacing_.at(points_.index[k]) / surface_.radius[i];
-    surface.spacing = std::max(surface.spacing, spacing);
-  }
+  double widest = kBorder.step * surface.spacing;
+  for (const std::uint32_t k : rims_)
+    widest = std::max<double>(widest, local_spacing_.at(points_.index[k]) / surface_.radius[i]);
+  if (widest > kBorder.step * surface.spacing) surface.spacing = widest;
 }
 
 /** Whether the surfel's surface leaves its points where these turn away from it. */

@@ -16,10 +16,10 @@ constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three wor
 constexpr int kMostWords = 3;
 constexpr std::size_t kFewPlaces = 128;  ///< fewer are looked at one by one
 constexpr std::size_t kFewPoints =
-    256;  ///< all gaps of fewer points are measured together; only for speed
-constexpr int kLanes = 16;         ///< columns that loops take together
-constexpr int kMostDepth = 4;      ///< cells: beyond, depths decide nothing
-constexpr int kMostHeight = 8;     ///< cells: likewise outside
+    256;                        ///< all gaps of fewer points are measured together; only for speed
+constexpr int kLanes = 16;      ///< columns that loops take together
+constexpr int kMostDepth = 4;   ///< cells: beyond, depths decide nothing
+constexpr int kMostHeight = 8;  ///< cells: likewise outside
 
 constexpr std::uint16_t kBits[kLanes] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
                                          1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
