@@ -110,6 +110,10 @@ shortOfMemory() {
         said=$((said + 1))
         absent "$2"
         ;;
+      134)  # static objects of libraries, before the program begins
+        grep -q 'terminate called.*bad_alloc' err.txt || complain "$limit KB: $(head -c 300 err.txt)"
+        got=127
+        ;;
       127) ;; # too little to load the program: no tighter limit tells more
       *) complain "$limit KB: exit $got, $(head -c 300 err.txt)" ;;
     esac
