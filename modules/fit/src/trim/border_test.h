@@ -89,7 +89,7 @@ using PointBorders = std::vector<std::atomic<std::uint32_t>>;
  *
  * At a border a disc of the smallest hole's diameter touches the point and is empty of its sheet:
  * neighbours, projected to the tangent plane, leave an interval of the disc's directions free. It
- * is free in every plane turned about the rim, which tells a rim from an edge or a tip of a body;
+ * is free in every plane turned about the rim, unlike at an edge or a tip of a body;
  * and another border point is close by. One per thread: it keeps its memory.
  */
 class BorderTest {
