@@ -69,7 +69,8 @@ constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
 constexpr double kMargin = 3.0;   ///< cells around sixteen places
 constexpr double kMostRelaxation = 100;
-/// Of the least points of a component: area times density is as little of a small piece's points.
+/// Of the least points of a component, where the surface has several: area times density is as little
+/// of a small one's points.
 constexpr double kPieceShare = 0.4;
 
 Error cancelledError() {
@@ -97,7 +98,6 @@ class Extraction {
 
   /** \param[in] tolerance local units. */
   Error run(double tolerance) {
-    statistics_ = MeshStatistics();
     statistics_.tolerance = tolerance * surface_.info.scale;
     Stopwatch clock;
     report(0.0f, "dividing cells");
@@ -127,8 +127,8 @@ class Extraction {
       trimAtBorder(field, tolerance, triangles_, vertices_);
     }
     separate();
-    dropCrumbs(field, kPieceShare * params_.min_component_points, vertices_, triangles_,
-               statistics_);
+    const double share = statistics_.left_out.kept > 1 ? kPieceShare : 1;
+    dropCrumbs(field, share * params_.min_component_points, vertices_, triangles_, statistics_);
     cleanTriangles(triangles_, vertices_);
     closeBorders(field);
     statistics_.seconds_trim = clock.lap();
@@ -352,10 +352,9 @@ Error extractMesh(const SLIMSurface& surface, const MeshParams& params, Triangle
   }
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves; fit it to more points");
   std::optional<SLIMSurface> kept;
-  DroppedComponents left_out;
   if (params.min_component_points > 0) {
     kept = surface;
-    left_out = dropComponents(params.min_component_points, *kept, params.threads);
+    counts.left_out = dropComponents(params.min_component_points, *kept, params.threads);
   }
   Extraction extraction(kept ? *kept : surface, params, counts, progress);
   const double asked = params.tolerance / surface.info.scale;
@@ -364,7 +363,6 @@ Error extractMesh(const SLIMSurface& surface, const MeshParams& params, Triangle
     return {ErrorCode::kNoSurface, "no triangle fits the surface; lower the tolerance"};
   }
   extraction.write(mesh);
-  counts.left_out = left_out;
   counts.census = censusOf(mesh);
   return {};
 }

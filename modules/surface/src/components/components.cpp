@@ -308,7 +308,8 @@ DroppedComponents dropComponents(
   threads = resolveThreads(threads);
   const Regions regions(surface, threads);
   const Components components(surface, regions, min_points, threads);
-  if (components.count() < 2) return dropped;
+  dropped.kept = components.count();
+  if (dropped.kept < 2) return dropped;
   std::vector<bool> stays(components.count());
   for (std::size_t k = 0; k < stays.size(); ++k) stays[k] = components.points(k) >= min_points;
   stays[components.largest()] = true;
@@ -317,6 +318,7 @@ DroppedComponents dropComponents(
     for (std::uint32_t r = regions.begin(i); r < regions.end(i); ++r)
       stays[components.of(r)] = true;
   }
+  dropped.kept = static_cast<std::uint64_t>(std::count(stays.begin(), stays.end(), true));
   bool any = false;
   for (std::size_t k = 0; k < stays.size(); ++k) {
     if (stays[k]) continue;

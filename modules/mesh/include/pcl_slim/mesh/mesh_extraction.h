@@ -29,7 +29,8 @@ struct PCL_SLIM_EXPORT MeshParams {
   bool watertight = false;
   /** Components of the surface with fewer points are left out, as dropComponents() does, and then
    * the pieces of the mesh that contouring makes where leaves disagree: those whose area times the
-   * density that the surface's leaves report is below .4 of it; 0: all stay. */
+   * density that the surface's leaves report is below it, or below .4 of it where the surface has
+   * several components; 0: all stay. */
   double min_component_points = kLeastComponentPoints;
   int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
   /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no

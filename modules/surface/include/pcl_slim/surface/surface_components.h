@@ -19,6 +19,7 @@ struct DroppedComponents {
   std::uint64_t components = 0;
   std::uint64_t leaves = 0;  ///< removed as a whole; others have lost a part of their trim maps
   double points = 0;         ///< about
+  std::uint64_t kept = 0;    ///< components that stay; 0 where none was looked for
 };
 
 /** \brief Removes what is connected to fewer points than required: leaves, regions of their trim
