@@ -17,7 +17,9 @@ struct SupportConstants {
   double looked_at = 0.9;       ///< [r] places beyond do not open a surfel: its weight is next to 0
   double filled = 1.0 / 3.0;    ///< of the disc: points that fill less have the spacing about them
   std::size_t few_points = 64;  ///< of more points the area is measured well enough by sectors
-  std::size_t near_points = 8;  ///< neighbours of a point that show the spacing about it
+  std::size_t near_points = 8;  ///< neighbours of a point that show the spacing about it ...
+  int most_cells = 9;           ///< of 16 about the disc: points in more fill a third of it
+  std::size_t looked_about = 16;  ///< ... of about this number of points
 };
 
 inline constexpr SupportConstants kSupport;
@@ -44,20 +46,20 @@ class SupportTest {
   bool standsOff(const SheetPoints& points, const SupportedSurface& surface);
 
   /** \brief Clears the bits of a map of side x side nodes at which the surface is in the ball but
-   * away from its points. O(points + nodes). */
-  void cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
+   * away from its points. \return whether there are any. O(points + nodes). */
+  bool cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
               std::uint8_t* bits);
 
  private:
   void sortPoints(const SheetPoints& points, double reach);
   bool isSupported(const SheetPoints& points, double u, double v, double w) const;
   int cellAt(double coordinate) const;
-  double spacingAbout(const SheetPoints& points, std::size_t point);
+  static double spacingAbout(const SheetPoints& points, std::size_t point);
 
   double reach_ = 0;                                  ///< of a point; also the width of a cell
   int side_ = 0;                                      ///< cells
   std::vector<std::uint32_t> begin_, sorted_, next_;  ///< points of each cell of the plane
-  std::vector<double> spacings_, distances_sq_;
+  std::vector<double> spacings_;
 };
 
 }  // namespace pcl_slim::detail
