@@ -40,7 +40,8 @@ static int numFilledCells(const SheetPoints& points) {
   for (std::size_t i = 0; i < points.count; ++i) {
     const float u = points.u[i], v = points.v[i];
     if (u * u + v * v >= 1) continue;
-    cells |= 1u << (4 * static_cast<int>(2 * (v + 1)) + static_cast<int>(2 * (u + 1)));
+    const auto cellOf = [](float x) { return std::min(3, static_cast<int>(2 * (x + 1))); };
+    cells |= 1u << (4 * cellOf(v) + cellOf(u));
   }
   return __builtin_popcount(cells);
 }
@@ -49,7 +50,7 @@ double SupportTest::spacingOf(SheetPoints& points) {
   const double by_sectors = detail::spacingOf(points);
   if (points.count <= kSupport.near_points || points.count >= kSupport.few_points)
     return by_sectors;
-  // What fills less than a third of the disc is in about five cells: a fast way out for most.
+  // What fills less than a third of the disc is in about five cells; this saves time alone.
   if (numFilledCells(points) > kSupport.most_cells) return by_sectors;
   spacings_.clear();
   std::size_t inside = 0;
@@ -122,21 +123,18 @@ bool SupportTest::standsOff(const SheetPoints& points, const SupportedSurface& s
   return false;
 }
 
-bool SupportTest::cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
+void SupportTest::cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
                          std::uint8_t* bits) {
   sortPoints(points, kSupport.kept * surface.spacing + kSupport.noises * surface.noise);
   constexpr double kFarthestSq = 1.1;  // a place in the ball blends nodes about it
   const double middle = 0.5 * (side - 1);
-  bool cut = false;
   for (int k = 0; k < side * side; ++k) {
     if ((bits[k >> 3] >> (k & 7) & 1) == 0) continue;
     const double u = k % side / middle - 1, v = k / side / middle - 1;
     const double w = evaluateHeight(surface.degree, surface.c, u, v);
     if (u * u + v * v + w * w > kFarthestSq || isSupported(points, u, v, w)) continue;
     bits[k >> 3] &= static_cast<std::uint8_t>(~(1 << (k & 7)));
-    cut = true;
   }
-  return cut;
 }
 
 }  // namespace pcl_slim::detail

@@ -17,8 +17,8 @@ struct SupportConstants {
   double looked_at = 0.9;       ///< [r] places beyond do not open a surfel: its weight is next to 0
   double filled = 1.0 / 3.0;    ///< of the disc: points that fill less have the spacing about them
   std::size_t few_points = 64;  ///< of more points the area is measured well enough by sectors
-  std::size_t near_points = 8;  ///< neighbours of a point that show the spacing about it ...
-  int most_cells = 9;           ///< of 16 about the disc: points in more fill a third of it
+  int most_cells = 9;  ///< of 4 x 4 about the disc: points in more fill a third of it, surely
+  std::size_t near_points = 8;    ///< neighbours of a point that show the spacing about it ...
   std::size_t looked_about = 16;  ///< ... of about this number of points
 };
 
@@ -46,8 +46,8 @@ class SupportTest {
   bool standsOff(const SheetPoints& points, const SupportedSurface& surface);
 
   /** \brief Clears the bits of a map of side x side nodes at which the surface is in the ball but
-   * away from its points. \return whether there are any. O(points + nodes). */
-  bool cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
+   * away from its points. O(points + nodes). */
+  void cutMap(const SheetPoints& points, const SupportedSurface& surface, int side,
               std::uint8_t* bits);
 
  private:

@@ -57,7 +57,6 @@ class TrimMaker {
   void gather(std::size_t i, const kernels::CoverLeaf& surfel);
   bool dataEndAtGaps();
   void markOpen(std::uint32_t k);
-  bool widenSpacing(std::size_t i, SupportedSurface& surface);
   bool standsOff(std::size_t i, SupportedSurface& surface);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
@@ -77,7 +76,6 @@ class TrimMaker {
   SupportTest support_;
   std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
   std::vector<std::uint32_t> rims_;            ///< of gaps: points_
-  std::vector<std::uint8_t> uncut_;            ///< a map's bits
   std::uint64_t candidates_ = 0;
 };
 
@@ -170,21 +168,17 @@ void TrimMaker::markOpen(std::uint32_t k) {
   open_blocks_[points_.index[k] / PointStore::kBlock].store(1, std::memory_order_relaxed);
 }
 
-/** Gives a surface the widest spacing of the points next to gaps: at a step of density that of the
- * sparse side, whose points are no farther from each other than usual. \return whether it is wider. */
-bool TrimMaker::widenSpacing(std::size_t i, SupportedSurface& surface) {
+/** Whether the surfel's surface leaves its points where these turn away from it. At a step of density
+ * the spacing is that of the sparse side, of which points are next to gaps. */
+bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
+  if (!support_.standsOff(points_, surface)) return false;
   double widest = kBorder.step * surface.spacing;
   for (const std::uint32_t k : rims_)
     widest = std::max<double>(widest, local_spacing_.at(points_.index[k]) / surface_.radius[i]);
-  if (!(widest > kBorder.step * surface.spacing)) return false;
-  surface.spacing = widest;
-  return true;
-}
-
-/** Whether the surfel's surface leaves its points where these turn away from it. */
-bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
-  if (!support_.standsOff(points_, surface)) return false;
-  if (widenSpacing(i, surface) && !support_.standsOff(points_, surface)) return false;
+  if (widest > kBorder.step * surface.spacing) {
+    surface.spacing = widest;
+    if (!support_.standsOff(points_, surface)) return false;
+  }
   for (const std::uint32_t k : rims_) markOpen(k);
   return true;
 }
@@ -208,20 +202,16 @@ int TrimMaker::make(std::size_t i, bool by_leaves, std::vector<std::uint8_t>& bi
   ++candidates_;
   SupportedSurface supported{surface_.degree[i], c, spacing,
                              std::sqrt(plan_.noise) / surface_.radius[i]};
-  if (!by_leaves) raster_.findRims(points_, places_, rims_);
-  if (!by_leaves && !dataEndAtGaps() && !standsOff(i, supported)) return 0;
+  if (!by_leaves) {
+    raster_.findRims(points_, places_, rims_);
+    if (!dataEndAtGaps() && !standsOff(i, supported)) return 0;
+  }
   raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, kTrim.known));
   const double clear = TrimRaster::kDepthUnit * kTrim.clear * spacing / raster_.cell();
   if (raster_.leastDepth(kTrim.looked_at) > clear) return 0;
   const std::size_t begin = bits.size();
   const int side = appendMap(spacing, bits);
-  uncut_.assign(bits.begin() + static_cast<std::ptrdiff_t>(begin), bits.end());
-  if (!support_.cutMap(points_, supported, side, bits.data() + begin)) return side;
-  if (by_leaves) raster_.findRims(points_, places_, rims_);
-  if (widenSpacing(i, supported)) {
-    std::copy(uncut_.begin(), uncut_.end(), bits.begin() + static_cast<std::ptrdiff_t>(begin));
-    support_.cutMap(points_, supported, side, bits.data() + begin);
-  }
+  support_.cutMap(points_, supported, side, bits.data() + begin);
   return side;
 }
 
