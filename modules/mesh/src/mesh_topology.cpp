@@ -255,6 +255,14 @@ void dropTurned(std::vector<Triangle>& triangles, int threads) {
   triangles = std::move(kept);
 }
 
+void keepAlive(const std::vector<bool>& alive, std::vector<Triangle>& triangles) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (alive[t]) triangles[kept++] = triangles[t];
+  }
+  triangles.resize(kept);
+}
+
 std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,
                                         std::size_t num_vertices, std::size_t& count) {
   std::vector<std::uint32_t> parent(num_vertices, 0);

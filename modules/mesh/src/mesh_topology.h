@@ -47,6 +47,9 @@ std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int thr
  * be one side of a body loses any. O(T log T). */
 void dropTurned(std::vector<Triangle>& triangles, int threads);
 
+/** Takes away the triangles that are not alive. */
+void keepAlive(const std::vector<bool>& alive, std::vector<Triangle>& triangles);
+
 /** The number of each triangle's component, connected by vertices; components are numbered by their
  * first triangle. \param[out] count how many. */
 std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,

@@ -33,8 +33,8 @@ class RunControl {
 class PCL_SLIM_EXPORT ControlledRun {
  public:
   /** \brief Called from the thread that runs with the share done and the stage's name. It may call
-   * setters: the run goes on with the inputs and parameters that it began with. What it throws
-   * stops the run. */
+   * setters: the run continues with the inputs and parameters of its begin. An exception of the
+   * callback stops the run. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
   /** \brief Stops the run in progress, from any thread or a signal handler. Before an object's

@@ -19,7 +19,6 @@ constexpr double kCoincident = 1e-3;  ///< [spacing] nearer points have no direc
 constexpr std::size_t kAround = 9;  ///< nearest points on a side of a border, which give a spacing
 constexpr int kTurns = 6;           ///< frames about a rim, 30 degrees apart
 constexpr int kSteps = 4;           ///< spacings that a point is tested by, at most
-constexpr double kHighest = 6.0;    ///< [RMS noise] of the sheet over a point of it
 
 std::uint32_t packed(const Vector3& direction) {
   std::uint32_t bits = 0;
@@ -132,8 +131,7 @@ bool BorderTest::hasPartner(std::size_t point, std::uint32_t flag) {
       const Vector3 offset = subtract(store_.position(i), place);
       if (i == point || dot(offset, offset) > reach * reach) continue;
       const std::uint32_t other = flagOf(i);
-      if (other != kInside && dot(unpacked(other), direction) > constants_.partner_cosine)
-        return true;
+      if (other != kInside && dot(unpacked(other), direction) > 0) return true;
     }
   }
   return false;
@@ -156,8 +154,8 @@ SweepPlane BorderTest::findPlane(double spacing) {
     plane.axes[1][a] = solver.eigenvectors()(row, 1);
   }
   plane.axes[0] = cross(plane.axes[1], plane.axes[2]);
-  const double height = dot({mean[0], mean[1], mean[2]}, plane.axes[2]);
-  plane.height = std::clamp(height, -kHighest * noise_, kHighest * noise_);
+  // Without noise the point is on its sheet, and the mean above or below it where that bends.
+  if (noise_ > 0) plane.height = dot({mean[0], mean[1], mean[2]}, plane.axes[2]);
   plane.window = constants_.window * noise_;
   if (!edges_end_) plane.slope = constants_.slope;
   return plane;
@@ -226,16 +224,13 @@ void BorderTest::gatherSheet(const Vector3& place, double reach, const SweepPlan
 }
 
 /** Finds the nearest of the gathered points ahead of a border point. \return whether there is one */
-bool BorderTest::findAhead(const SweepPlane& plane, const Vector3& direction, double spacing,
-                           Vector3* next) const {
+bool BorderTest::findAhead(const Vector3& direction, double spacing, Vector3* next) const {
   double next_sq = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < near_.count; ++i) {
     const Vector3 offset{near_.x[i], near_.y[i], near_.z[i]};
     const double distance_sq = near_.distance_sq[i], ahead = dot(offset, direction);
     if (ahead <= 0 || 4 * ahead * ahead <= distance_sq || near_.own[i] == 0.0f) continue;
     if (distance_sq >= next_sq || distance_sq <= 4 * spacing * spacing) continue;
-    const double height = dot(offset, plane.axes[2]) - plane.height;
-    if (std::abs(height) - plane.window >= constants_.ahead_slope * ahead) continue;
     next_sq = distance_sq;
     *next = offset;
   }
@@ -254,11 +249,11 @@ double BorderTest::spacingAround(const Vector3& place, SweepPlane plane, const V
   gatherSheet(place, near, plane);
   double behind = halfSpacing(back, near);
   Vector3 next{};
-  bool is_ahead = findAhead(plane, direction, spacing, &next);
+  bool is_ahead = findAhead(direction, spacing, &next);
   if (behind == 0 || !is_ahead) {
     gatherSheet(place, far, plane);
     if (behind == 0) behind = orSparse(halfSpacing(back, far));
-    if (!is_ahead) is_ahead = findAhead(plane, direction, spacing, &next);
+    if (!is_ahead) is_ahead = findAhead(direction, spacing, &next);
   }
   if (!is_ahead) return behind;
   const Vector3 other = along(place, 1, next);

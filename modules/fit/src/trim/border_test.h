@@ -20,13 +20,11 @@ struct BorderConstants {
   double plane_noise = 5.0;    ///< [RMS noise] ... or this, if it is wider
   double window = 4.0;         ///< [RMS noise] heights over the plane that count as none
   double turned_window = 2.0;  ///< [RMS noise] likewise in planes turned about the rim
-  double slope = 0.2;  ///< heights of other sides' points, over distances, that are the sheet's
-  double tip = 2.0;    ///< [spacing] points of other sides count there up to this distance
-  double ahead_slope = 0.7;     ///< greatest height of points ahead over their distance
-  double across = 16.0;         ///< [spacing] the nearest point ahead is looked for up to this
-  double step = 1.6;            ///< ratio of spacings across a gap from which the larger one counts
-  double partner = 2.0;         ///< [disc's radius + RMS noise] another border point is within
-  double partner_cosine = 0.0;  ///< least cosine between the directions of both
+  double slope = 0.2;    ///< heights of other sides' points, over distances, that are the sheet's
+  double tip = 2.0;      ///< [spacing] points of other sides count there up to this distance
+  double across = 16.0;  ///< [spacing] the nearest point ahead is looked for up to this
+  double step = 1.6;     ///< ratio of spacings across a gap from which the larger one counts
+  double partner = 2.0;  ///< [disc's radius + RMS noise] another border point is within
 };
 
 /** \brief Points around a place as columns, in local units, padded with zeros to whole vectors. */
@@ -117,8 +115,7 @@ class BorderTest {
   bool findFree(double reach, double* middle);
   bool isFreeTurned(SweepPlane plane, double reach, double spacing);
   double halfSpacing(const Vector3& direction, double reach);
-  bool findAhead(const SweepPlane& plane, const Vector3& direction, double spacing,
-                 Vector3* next) const;
+  bool findAhead(const Vector3& direction, double spacing, Vector3* next) const;
   void gatherSheet(const Vector3& place, double reach, const SweepPlane& plane);
   double spacingAround(const Vector3& place, SweepPlane plane, const Vector3& direction,
                        double spacing);

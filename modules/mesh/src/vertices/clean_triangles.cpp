@@ -45,11 +45,7 @@ class Cleaner {
       }
     }
     dropSpurs();
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      if (alive_[t]) triangles_[kept++] = triangles_[t];
-    }
-    triangles_.resize(kept);
+    keepAlive(alive_, triangles_);
   }
 
  private:

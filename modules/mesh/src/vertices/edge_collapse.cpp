@@ -100,11 +100,7 @@ class Collapser {
       if (best.stamp_a != stamps_[best.a] || best.stamp_b != stamps_[best.b]) continue;
       if (mayCollapse(best)) collapse(best);
     }
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      if (alive_[t]) triangles_[kept++] = triangles_[t];
-    }
-    triangles_.resize(kept);
+    keepAlive(alive_, triangles_);
   }
 
  private:

@@ -236,6 +236,32 @@ TEST(BorderTest, TurnedCloudsHaveTheSameBorders) {
   EXPECT_NEAR(countEnds(turned, 0.0, anywhere).ends, ends, 0.1 * ends);
 }
 
+// A disc of radius 30 with a hole of 10: the data end at its rims, whatever the digits and the number of points.
+TEST(BorderTest, RoundedAndThinnedCloudsHaveTheSameBorders) {
+  const auto radius = [](const Vector3& p) { return std::hypot(p[0], p[1]); };
+  const auto isInside = [&](const Vector3& p) { return radius(p) > 9.0 && radius(p) < 26.0; };
+  const Cloud cloud = square([](double x, double y) {
+    const double r = std::hypot(x, y);
+    return r > 5.0 && r < 30.0;
+  });
+  Cloud rounded, thinned;
+  std::mt19937_64 random(3);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double* p = cloud.points.data() + 3 * i;
+    const auto round = [](double x) { return std::round(20 * x) / 20; };  // to .05 spacings
+    rounded.add(round(p[0]), round(p[1]), round(p[2]));
+    if (std::uniform_real_distribution<double>()(random) < 0.8) thinned.add(p[0], p[1], p[2]);
+  }
+  const int ends = countEnds(cloud, 0.0, anywhere).ends;
+  EXPECT_GT(ends, 60);
+  EXPECT_NEAR(countEnds(rounded, 0.0, anywhere).ends, ends, 0.1 * ends);
+  // Spacings are wider, and points along a rim as many fewer.
+  const double expected = std::sqrt(0.8) * ends;
+  EXPECT_NEAR(countEnds(thinned, 0.0, anywhere).ends, expected, 0.15 * expected);
+  for (const Cloud& made : {cloud, rounded, thinned})
+    EXPECT_LE(countEnds(made, 0.0, isInside).ends, 1);
+}
+
 // Threads share the points' values: who comes first must not matter.
 TEST(BorderTest, DoesNotDependOnWhoTestsFirst) {
   const Cloud cloud =

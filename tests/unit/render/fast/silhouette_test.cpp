@@ -5,10 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "support/clouds.h"
 #include "unit/render/sphere_view.h"
 #include "unit/render/tracer/traced_scenes.h"
 
@@ -57,21 +56,14 @@ std::size_t hairs(const GBuffer& buffer, std::uint8_t kind) {
 SLIMSurface noisySphere() {
   std::mt19937 random(11);
   std::normal_distribution<double> normal(0.0, 1.0);
-  std::vector<Vector3> points(20000);
-  for (Vector3& p : points) {
+  pcl_slim_test::Cloud cloud;
+  for (int i = 0; i < 20000; ++i) {
+    Vector3 p;
     for (double& x : p) x = normal(random);
     const double scale = (1.0 + 0.035 * normal(random)) / length(p);
-    for (double& x : p) x *= scale;
+    cloud.add(scale * p[0], scale * p[1], scale * p[2]);
   }
-  CloudView cloud;
-  cloud.xyz = points.data();
-  cloud.xyz_stride = sizeof(Vector3);
-  cloud.scalar = CloudView::Scalar::kDouble;
-  cloud.size = points.size();
-  const auto store = PointStore::build(cloud, 1);
-  SLIMSurface surface;
-  EXPECT_TRUE(store && !fitSurface(*store, FitParams(), surface));
-  return surface;
+  return pcl_slim_test::fitted(cloud).surface;
 }
 
 GBuffer traced(const SLIMSurface& surface, const Camera& camera) {

@@ -6,11 +6,10 @@
 #include <functional>
 #include <random>
 
-#include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/render/mesh_renderer.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "support/clouds.h"
 
 namespace pcl_slim {
 namespace {
@@ -46,24 +45,16 @@ std::vector<Scene> scenes() {
           {"cut sphere", 2.0 * pi * std::sqrt(0.75), std::sqrt(3.0 * pi / kPoints), cut}};
 }
 
-SLIMSurface fitted(const Scene& scene) {
+SLIMSurface surfaceOf(const Scene& scene) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<Vector3> points;
+  pcl_slim_test::Cloud cloud;
   Vector3 p;
-  while (points.size() < kPoints) {
+  while (cloud.size() < kPoints) {
     const double a = uniform(random), b = uniform(random);
-    if (scene.point(a, b, p)) points.push_back(p);
+    if (scene.point(a, b, p)) cloud.add(p[0], p[1], p[2]);
   }
-  CloudView cloud;
-  cloud.xyz = points.data();
-  cloud.xyz_stride = sizeof(Vector3);
-  cloud.scalar = CloudView::Scalar::kDouble;
-  cloud.size = points.size();
-  const auto store = PointStore::build(cloud, 1);
-  SLIMSurface surface;
-  EXPECT_TRUE(store && !fitSurface(*store, FitParams(), surface)) << scene.name;
-  return surface;
+  return pcl_slim_test::fitted(cloud).surface;
 }
 
 /** Whether two masks differ at a pixel and all about it, at most reach pixels away. */
@@ -78,7 +69,7 @@ bool differsAllAbout(const GBuffer& a, const GBuffer& b, int x, int y, int reach
 
 TEST(Border, OfThePictureIsThatOfTheMesh) {
   for (const Scene& scene : scenes()) {
-    const SLIMSurface surface = fitted(scene);
+    const SLIMSurface surface = surfaceOf(scene);
     TriangleMesh mesh;
     ASSERT_FALSE(extractMesh(surface, MeshParams(), mesh)) << scene.name;
     Camera camera;

@@ -124,7 +124,7 @@ void ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices) {
   const auto input = input_;
   const auto chosen_indices = indices_;
   const bool done = sample(splats);
-  input_ = input;  // PCL's filter() goes on with both
+  input_ = input;  // PCL's filter() reads both next
   indices_ = chosen_indices;
   if (!done) {
     complain();
