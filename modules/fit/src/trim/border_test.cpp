@@ -154,9 +154,10 @@ SweepPlane BorderTest::findPlane(double spacing) {
     plane.axes[1][a] = solver.eigenvectors()(row, 1);
   }
   plane.axes[0] = cross(plane.axes[1], plane.axes[2]);
-  // Without noise the point is on its sheet, and the mean above or below it where that bends.
-  if (noise_ > 0) plane.height = dot({mean[0], mean[1], mean[2]}, plane.axes[2]);
   plane.window = constants_.window * noise_;
+  // Noise alone takes the point off its sheet; where that bends, the mean is above or below it too.
+  const double height = dot({mean[0], mean[1], mean[2]}, plane.axes[2]);
+  plane.height = std::clamp(height, -plane.window, plane.window);
   if (!edges_end_) plane.slope = constants_.slope;
   return plane;
 }
