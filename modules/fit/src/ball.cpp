@@ -393,8 +393,17 @@ BallOutcome BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel) {
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     return withoutFit(ball, site, choice.trial, surfel);
   }
+  if (missesItsCenter(choice)) return widest(ball, level, surfel);
   surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
+}
+
+/** Whether a leaf's surface passes its centre farther off than a ball can be moved: its frame is not
+ * that of the surface there, as about a thin ridge, and the points of the centre are not on it. */
+bool BallFitter::missesItsCenter(const RadiusChoice& choice) const {
+  if (choice.kind != RadiusChoice::Kind::kLeaf || choice.support_limited || plan_.paper)
+    return false;
+  return std::abs(choice.trial.fit.c[0]) > plan_.constants.ball.largest_shift * choice.trial.rho;
 }
 
 /** The surfel at r_r, the parent of finer ones. */

@@ -187,6 +187,7 @@ class BallFitter {
   FramedBall ownSheet(const FramedBall& ball);
   FramedBall onItsFit(const FramedBall& ball, std::size_t stride);
   RadiusChoice chooseRadius(FramedBall& ball);
+  bool missesItsCenter(const RadiusChoice& choice) const;
   BallOutcome widest(const FramedBall& ball, int level, SurfelRecord& surfel);
   BallOutcome withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
                          SurfelRecord& surfel);

@@ -118,6 +118,29 @@ double edgeError(const Fitted& f, double reach) {
   return std::sqrt(sum / static_cast<double>(count));
 }
 
+/** Both sides of a wedge of 60 degrees whose ridge is waved. */
+Cloud wavedWedge(std::size_t points, std::uint32_t seed) {
+  Cloud cloud;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double y = uniform(random), slant = uniform(random), side = i % 2 == 0 ? 1.0 : -1.0;
+    const double z = 0.02 * std::sin(40.0 * y) - slant * std::sqrt(0.75);
+    cloud.add(0.5 * side * slant, y, z);
+  }
+  return cloud;
+}
+
+TEST(FitSheets, LeavesOfThinRidgesPassTheirCenters) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const SLIMSurface surface = fitted(wavedWedge(10000, seed)).surface;
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (!surface.isLeaf(i) || (surface.flags[i] & kSurfelSupportLimited) != 0) continue;
+      EXPECT_LE(std::abs(surface.coefficientsOf(i)[0]), 0.3f) << seed << " " << i;
+    }
+  }
+}
+
 TEST(FitSheets, SharpFeaturesNeedNormals) {
   const PointStore store =
       storeOf(sceneCloud(measure::Shape::kTorus, 5000, 0.001).withoutNormals());
