@@ -11,7 +11,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
-#include "pcl_slim/splat/cielab.h"
+#include "pcl_slim/core/cielab.h"
 
 namespace pcl_slim::measure {
 namespace {

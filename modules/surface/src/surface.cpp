@@ -84,6 +84,33 @@ void mirrorTrimMap(std::uint8_t* map) {
   }
 }
 
+/** Turns a texture, side and texels, over in v. */
+void mirrorTexture(std::uint8_t* texture) {
+  const std::ptrdiff_t side = texture[0], row = 3 * side;
+  std::uint8_t* const texels = texture + 1;
+  for (std::ptrdiff_t low = 0, high = side - 1; low < high; ++low, --high)
+    std::swap_ranges(texels + low * row, texels + (low + 1) * row, texels + high * row);
+}
+
+/** Names what is wrong with a surface's textures: offsets or sides. */
+Error checkTextures(const SLIMSurface& surface) {
+  const auto& begin = surface.texture_begin;
+  const std::size_t n = surface.size();
+  if (begin.empty() && surface.textures.empty()) return {};
+  if (!surface.hasColors() || begin.size() != n + 1 || begin[0] != 0 ||
+      begin[n] != surface.textures.size()) {
+    return badInput("the textures do not belong to the surfels");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (begin[i] == begin[i + 1]) continue;
+    const bool there = begin[i] < begin[i + 1] && begin[i + 1] <= surface.textures.size();
+    const int side = there ? surface.textures[begin[i]] : 0;
+    if (side == 0 || begin[i + 1] - begin[i] != 1 + SurfelTexture::numBytes(side))
+      return badInput("the texture of surfel " + std::to_string(i) + " has another size");
+  }
+  return {};
+}
+
 /** Names what is wrong with a surface's trim maps: offsets, flags or sides. */
 Error checkTrimMaps(const SLIMSurface& surface) {
   const auto& begin = surface.trim_begin;
@@ -149,6 +176,7 @@ void SLIMSurface::resize(std::size_t count) {
   coefficients.resize(count * static_cast<std::size_t>(stride()));
   for (auto* column : {&degree, &level, &flags}) column->resize(count);
   colors.clear();
+  dropTextures();
   dropTrimMaps();
 }
 
@@ -178,6 +206,30 @@ void SLIMSurface::dropTrimMaps() {
   for (std::uint8_t& flag : flags) flag &= static_cast<std::uint8_t>(~kSurfelOpen);
 }
 
+void SLIMSurface::setTextures(const std::vector<std::uint8_t>& sides,
+                              const std::vector<std::uint8_t>& texels) {
+  dropTextures();
+  if (std::all_of(sides.begin(), sides.end(), [](std::uint8_t side) { return side == 0; })) return;
+  texture_begin.resize(size() + 1);
+  textures.reserve(texels.size() + sides.size());
+  auto next = texels.begin();
+  for (std::size_t i = 0; i < size(); ++i) {
+    texture_begin[i] = static_cast<std::uint32_t>(textures.size());
+    if (sides[i] == 0) continue;
+    const auto end = next + static_cast<std::ptrdiff_t>(SurfelTexture::numBytes(sides[i]));
+    textures.push_back(sides[i]);
+    textures.insert(textures.end(), next, end);
+    next = end;
+  }
+  texture_begin[size()] = static_cast<std::uint32_t>(textures.size());
+  textures.shrink_to_fit();
+}
+
+void SLIMSurface::dropTextures() {
+  texture_begin.clear();
+  textures.clear();
+}
+
 void SLIMSurface::flip(std::size_t i) {
   nx[i] = -nx[i];
   ny[i] = -ny[i];
@@ -185,6 +237,7 @@ void SLIMSurface::flip(std::size_t i) {
   flipCoefficients(degree[i], coefficients.data() + i * static_cast<std::size_t>(stride()));
   if (isOpen(i)) mirrorTrimMap(trim_maps.data() + trim_begin[i]);
   if (hasColors()) flipColor(colors.data() + i * kColorBytes);
+  if (!texture(i).empty()) mirrorTexture(textures.data() + texture_begin[i]);
 }
 
 Error SLIMSurface::validate() const {
@@ -201,6 +254,7 @@ Error SLIMSurface::validate() const {
   for (std::size_t i = 0; i < n; ++i) {
     if (Error defect = checkSurfel(*this, i)) return defect;
   }
+  if (Error defect = checkTextures(*this)) return defect;
   return checkTrimMaps(*this);
 }
 
@@ -236,15 +290,17 @@ void appendTo(std::vector<T>& column, const std::vector<T>& more) {
   column.insert(column.end(), more.begin(), more.end());
 }
 
-/** Appends trim maps; surfels without any have empty ones. */
-void appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surface) {
-  if (!surface.hasTrimMaps() && !more.hasTrimMaps()) return;
-  const auto bytes = static_cast<std::uint32_t>(surface.trim_maps.size());
-  surface.trim_begin.resize(surfels + 1, bytes);
-  surface.trim_begin.pop_back();
-  for (std::size_t i = 0; i <= more.size(); ++i)
-    surface.trim_begin.push_back(bytes + (more.hasTrimMaps() ? more.trim_begin[i] : 0));
-  appendTo(surface.trim_maps, more.trim_maps);
+/** Appends rows of any length of bytes; surfels without any have empty ones. */
+void appendRows(const std::vector<std::uint32_t>& more_begin, const std::vector<std::uint8_t>& more,
+                std::size_t count, std::size_t before, std::vector<std::uint32_t>& begin,
+                std::vector<std::uint8_t>& rows) {
+  if (begin.empty() && more_begin.empty()) return;
+  const auto bytes = static_cast<std::uint32_t>(rows.size());
+  begin.resize(before + 1, bytes);
+  begin.pop_back();
+  for (std::size_t i = 0; i <= count; ++i)
+    begin.push_back(bytes + (more_begin.empty() ? 0 : more_begin[i]));
+  appendTo(rows, more);
 }
 
 template <typename T>
@@ -253,12 +309,14 @@ std::vector<T> part(const std::vector<T>& column, std::size_t begin, std::size_t
           column.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
-/** The trim maps of some surfels; none where all of these are closed. */
-void takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSurface& some) {
-  if (!all.hasTrimMaps() || all.trim_begin[begin] == all.trim_begin[end]) return;
-  some.trim_begin = part(all.trim_begin, begin, end + 1);
-  some.trim_maps = part(all.trim_maps, all.trim_begin[begin], all.trim_begin[end]);
-  for (std::uint32_t& at : some.trim_begin) at -= all.trim_begin[begin];
+/** Some of the rows of any length; none where all of them are empty. */
+void takeRows(const std::vector<std::uint32_t>& all_begin, const std::vector<std::uint8_t>& all,
+              std::size_t first, std::size_t end, std::vector<std::uint32_t>& begin,
+              std::vector<std::uint8_t>& rows) {
+  if (all_begin.empty() || all_begin[first] == all_begin[end]) return;
+  begin = part(all_begin, first, end + 1);
+  rows = part(all, all_begin[first], all_begin[end]);
+  for (std::uint32_t& at : begin) at -= all_begin[first];
 }
 
 }  // namespace
@@ -280,7 +338,8 @@ SLIMSurface SLIMSurface::slice(std::size_t begin, std::size_t end) const {
   some.degree = part(degree, begin, end);
   some.level = part(level, begin, end);
   some.flags = part(flags, begin, end);
-  takeTrimMaps(*this, begin, end, some);
+  takeRows(trim_begin, trim_maps, begin, end, some.trim_begin, some.trim_maps);
+  takeRows(texture_begin, textures, begin, end, some.texture_begin, some.textures);
   if (hasColors()) some.colors = part(colors, begin * kColorBytes, end * kColorBytes);
   return some;
 }
@@ -288,10 +347,15 @@ SLIMSurface SLIMSurface::slice(std::size_t begin, std::size_t end) const {
 void SLIMSurface::append(const SLIMSurface& more) {
   if (empty()) info = more.info;
   const std::size_t before = size();
-  appendTrimMaps(more, before, *this);
+  appendRows(more.trim_begin, more.trim_maps, more.size(), before, trim_begin, trim_maps);
   const bool colored = more.hasColors() && (before == 0 || hasColors());
-  if (!colored) colors.clear();
-  if (colored) appendTo(colors, more.colors);
+  if (colored) {
+    appendTo(colors, more.colors);
+    appendRows(more.texture_begin, more.textures, more.size(), before, texture_begin, textures);
+  } else {
+    colors.clear();
+    dropTextures();
+  }
   appendTo(cx, more.cx);
   appendTo(cy, more.cy);
   appendTo(cz, more.cz);

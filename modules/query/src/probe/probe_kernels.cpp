@@ -117,6 +117,29 @@ void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRule
             [&](auto degree) HWY_ATTR { addSheetsOf<degree()>(points, leaf, rules, sheets); });
 }
 
+/** SurfelTexture::weight() from the blend's. */
+HWY_INLINE Vec textureWeight(Vec s_sq, Vec blend) {
+  constexpr float kReach = SurfelTexture::kReach;
+  const Vec inner = Max(set(1.0f) - s_sq * set(1 / (kReach * kReach)), Zero(Tag()));
+  const Vec sq = inner * inner, fourth = sq * sq;
+  return MulAdd(fourth, fourth, set(SurfelTexture::kOuterWeight) * blend);
+}
+
+/** Adds the colours that a leaf's texture has at the near ones of a vector of places. */
+void addTextureColors(const SurfelTexture& map, const Local& p, Mask near, Vec weight,
+                      std::size_t first, BlockColors& colors) {
+  const Tag d;
+  alignas(64) float u[16], v[16], w[16];
+  Store(p.u, d, u);
+  Store(p.v, d, v);
+  Store(IfThenElseZero(near, weight), d, w);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    if (!(w[k] > 0)) continue;
+    const auto color = map.colorAt(u[k], v[k]);
+    for (std::size_t c = 0; c < 3; ++c) colors.sum[c][first + k] += w[k] * color[c];
+  }
+}
+
 template <int D, WeightKernel K>
 void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& colors) {
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
@@ -138,9 +161,16 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
       own = And(own, cosine > Zero(d));
     }
     const Vec share = IfThenElse(own, set(1.0f), set(kOtherSheet));
-    const Vec weight = share * set(leaf.variance_weight) * kernelWeight<K>(s_sq);
-    const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
+    const Vec blend = kernelWeight<K>(s_sq);
+    const Vec weight =
+        share * set(leaf.variance_weight) * (leaf.textured ? textureWeight(s_sq, blend) : blend);
     addTo(colors.weight + i, near, weight);
+    if (!leaf.texture.empty() &&
+        !AllFalse(d, And(near, s_sq < set(SurfelTexture::kReach * SurfelTexture::kReach)))) {
+      addTextureColors(leaf.texture, p, near, weight, i, colors);
+      continue;
+    }
+    const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     for (std::size_t channel = 0; channel < 3; ++channel) {
       const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][channel]); };
       const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));

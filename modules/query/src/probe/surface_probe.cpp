@@ -172,6 +172,8 @@ ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
   BlockLeaf& leaf = placed.leaf;
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
   if (surface.hasColors()) leaf.color = surface.colors.data() + i * kColorBytes;
+  leaf.texture = surface.texture(i);
+  leaf.textured = surface.hasTextures();
   return placed;
 }
 

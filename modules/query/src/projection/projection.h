@@ -9,6 +9,7 @@
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/surfel_texture.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
 namespace pcl_slim::detail {
@@ -25,6 +26,8 @@ struct BlockLeaf {
   const float* c;
   TrimTable trim;                       ///< where the leaf has data
   const std::uint8_t* color = nullptr;  ///< kColorBytes, or none
+  SurfelTexture texture;                ///< in place of them, or empty
+  bool textured = false;                ///< some leaf of the surface has a texture
 };
 
 /** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */

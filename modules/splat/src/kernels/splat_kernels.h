@@ -32,10 +32,6 @@ void toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t
 void mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
                 std::uint64_t* keys);
 
-/** Linear RGB to CIELAB in place; columns have room for whole vectors of 16.
- * \param[in] to_xyz rows of RGB -> XYZ over the white point. */
-void labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n);
-
 /** Brings vectors to unit length, and to zero what is not finite or has none; those that are unit
  * within 1e-3 of their square stay. Columns have room for whole vectors of 16. */
 void normalize(float* x, float* y, float* z, std::size_t n);

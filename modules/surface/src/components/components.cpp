@@ -273,6 +273,17 @@ std::vector<std::uint32_t> keptSurfels(const SLIMSurface& s, std::vector<bool> s
   return kept;
 }
 
+/** Keeps the textures of some surfels. */
+void keepTextures(const std::vector<std::uint32_t>& kept, SLIMSurface& s) {
+  std::vector<std::uint8_t> sides, texels;
+  for (const std::uint32_t i : kept) {
+    const SurfelTexture texture = s.texture(i);
+    sides.push_back(static_cast<std::uint8_t>(texture.side));
+    texels.insert(texels.end(), texture.rgb, texture.rgb + SurfelTexture::numBytes(texture.side));
+  }
+  s.setTextures(sides, texels);
+}
+
 /** Removes regions, the leaves that have no other and what they leave empty. \return the number of
  * leaves removed. */
 std::uint64_t dropRegions(const Regions& regions, const std::vector<bool>& region_stays,
@@ -294,6 +305,7 @@ std::uint64_t dropRegions(const Regions& regions, const std::vector<bool>& regio
   for (auto* column : {&s.degree, &s.level, &s.flags}) keepRows(kept, 1, *column);
   keepRows(kept, static_cast<std::size_t>(s.stride()), s.coefficients);
   s.setTrimMaps(maps.sides, maps.bits);
+  if (s.hasTextures()) keepTextures(kept, s);
   if (!s.child_begin.empty()) s.buildLinks(threads);
   return dropped;
 }

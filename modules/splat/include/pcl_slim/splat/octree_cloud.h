@@ -10,7 +10,7 @@
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
-#include "pcl_slim/splat/cielab.h"
+#include "pcl_slim/core/cielab.h"
 
 namespace pcl_slim {
 

@@ -10,6 +10,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/surfel_texture.h"
 #include "pcl_slim/surface/trim_map.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
@@ -73,6 +74,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
   std::vector<std::uint8_t> trim_maps;    ///< of open surfels: side in a byte, then the bits
 
   std::vector<std::uint8_t> colors;  ///< kColorBytes per surfel (surfel_color.h); empty: none
+  std::vector<std::uint32_t> texture_begin;  ///< size() + 1 offsets into textures; empty: none
+  std::vector<std::uint8_t> textures;        ///< side in a byte, then the texels
 
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
   std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre is inside
@@ -106,15 +109,23 @@ class PCL_SLIM_EXPORT SLIMSurface {
 
   /** \brief Whether the surfels have colours, as those of a coloured cloud do. */
   bool hasColors() const { return !colors.empty(); }
+  /** \brief Whether any surfel has a texture. */
+  bool hasTextures() const { return !texture_begin.empty(); }
+  /** \brief The colours of surfel i where its polynomial does not follow them; empty elsewhere. */
+  SurfelTexture texture(std::size_t i) const {
+    if (texture_begin.empty() || texture_begin[i] == texture_begin[i + 1]) return {};
+    const std::uint8_t* map = textures.data() + texture_begin[i];
+    return {map[0], map + 1};
+  }
 
   /** \brief Removes every surfel and link; keeps info. */
   void clear();
-  /** \brief Sets the number of surfels; none has a trim map or a colour then. */
+  /** \brief Sets the number of surfels; none has a trim map, a colour or a texture then. */
   void resize(std::size_t count);
 
   /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the
    * same cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's
-   * info. Colours are kept where both surfaces have them. */
+   * info. Colours and textures are kept where both surfaces have colours. */
   void append(const SLIMSurface& more);
   /** \brief The surfels from begin on, to before end, without links. */
   SLIMSurface slice(std::size_t begin, std::size_t end) const;
@@ -132,6 +143,12 @@ class PCL_SLIM_EXPORT SLIMSurface {
   void closeHoles(double hole, int threads = 1);
   /** \brief Makes every surfel closed. */
   void dropTrimMaps();
+
+  /** \brief Gives the surfels textures in place of those they have. \param[in] sides size() values,
+   * 0 for surfels without one \param[in] texels those of the others, one after another */
+  void setTextures(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& texels);
+  /** \brief Leaves the surfels their polynomials. */
+  void dropTextures();
 
   /** \brief Rebuilds links and the root from centres, radii and levels (section 2, Fig. 6).
    * O(M log M) for M surfels; the same for any number of threads. */

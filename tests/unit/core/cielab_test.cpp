@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/splat/cielab.h"
+#include "pcl_slim/core/cielab.h"
 
 #include <gtest/gtest.h>
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "color/texture_fit.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
@@ -19,9 +20,6 @@
 #define PCL_SLIM_COLOR_SUMS
 
 namespace pcl_slim::detail {
-
-/** Red, green and blue of all stored points, padding included. */
-using ColorColumns = std::array<AlignedVector<std::uint8_t>, 3>;
 
 /** A surfel as its colours see it: points of the ball within its normal bound, and near its
  * polynomial. */
@@ -46,7 +44,7 @@ struct ColorSums {
 #endif
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit_colors.cpp"
+#define HWY_TARGET_INCLUDE "color/fit_colors.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -199,16 +197,29 @@ ColorPolynomial solve(const ColorSums& sums) {
  * memory. */
 class ColorFitter {
  public:
-  ColorFitter(const PointStore& store, const ColorColumns& colors, const SLIMSurface& surface)
-      : store_(store), colors_(colors), surface_(surface) {}
+  ColorFitter(const PointStore& store, const ColorColumns& colors, const SLIMSurface& surface,
+              const LabTable& lab, double noise, const detail::LeadingWeights& weights)
+      : store_(store), colors_(colors), surface_(surface), textures_(colors, lab, noise, weights) {}
+
+  /** Appends the texels of a surfel that has its polynomial. \return the texture's side, 0: none */
+  std::uint8_t fitTexture(std::size_t i, const std::uint8_t* color,
+                          std::vector<std::uint8_t>& texels) {
+    gather(i);
+    const float variance_weight = surface_.isLeaf(i) ? surface_.varianceWeight(i) : 0.0f;
+    return static_cast<std::uint8_t>(textures_.fit(points_, color, variance_weight, texels));
+  }
+
+  /** Raises the weights at a leaf's points to its own. */
+  void raise(std::size_t i, detail::LeadingWeights& weights) {
+    gather(i);
+    detail::raiseWeights(points_, surface_.varianceWeight(i), weights);
+  }
 
   void fit(std::size_t i, std::uint8_t* bytes) {
     const float center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
     found_.clear();
     store_.tree().blocksInBall(center, surface_.radius[i], found_);
-    const std::size_t step = 1 + found_.size() * PointStore::kBlock / kMostPoints;
-    blocks_.clear();
-    for (std::size_t b = 0; b < found_.size(); b += step) blocks_.push_back(found_[b]);
+    takeBlocks(kMostPoints);
     ColorSums sums = sumsOf(i, true);
     if (!(sums.moments[0] > 0)) sums = sumsOf(i, false);
     if (sums.moments[0] > 0) return encodeColor(solve(sums), bytes);
@@ -217,6 +228,31 @@ class ColorFitter {
   }
 
  private:
+  /** The points of surfel i's sheet, as far as textures reach; a part of those of wide internal ones. */
+  void gather(std::size_t i) {
+    const SLIMSurface& s = surface_;
+    const std::array<float, 3> normal{s.nx[i], s.ny[i], s.nz[i]};
+    detail::kernels::CoverLeaf leaf;
+    leaf.ball = {{s.cx[i], s.cy[i], s.cz[i]}, SurfelTexture::kReach * s.radius[i]};
+    found_.clear();
+    store_.tree().blocksInBall(leaf.ball.center.data(), leaf.ball.radius, found_);
+    takeBlocks(s.isLeaf(i) ? found_.size() * PointStore::kBlock : kMostPoints);
+    if (store_.hasSides()) leaf.ball.bound_normal = normal.data();
+    leaf.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
+    leaf.degree = s.degree[i];
+    leaf.support_radius = s.radius[i];
+    leaf.c = s.coefficientsOf(i);
+    leaf.max_residual = std::max(kLeastGate * s.radius[i], kGateErrors * s.error[i]);
+    detail::kernels::gatherSheet(store_, blocks_, leaf, points_);
+  }
+
+  /** Every n-th of the blocks found, so that they have a number of points at most. */
+  void takeBlocks(std::size_t most) {
+    const std::size_t step = 1 + found_.size() * PointStore::kBlock / (most + 1);
+    blocks_.clear();
+    for (std::size_t b = 0; b < found_.size(); b += step) blocks_.push_back(found_[b]);
+  }
+
   /** \param[in] own_sheet only points of the surfel's own sheet */
   ColorSums sumsOf(std::size_t i, bool own_sheet) const {
     const SLIMSurface& s = surface_;
@@ -237,7 +273,33 @@ class ColorFitter {
   const SLIMSurface& surface_;
   std::vector<std::uint32_t> found_;  ///< blocks that meet the ball ...
   BlockList blocks_;                  ///< ... and those of them that are looked at
+  detail::SheetPoints points_;
+  detail::TextureFitter textures_;
 };
+
+/** Gives surfels textures where their polynomials do not follow the points' colours. */
+void fitTextures(int threads, std::vector<ColorFitter>& fitters, detail::LeadingWeights& weights,
+                 SLIMSurface& surface) {
+  constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
+  const std::size_t count = surface.size(), runs = (count + kRun - 1) / kRun;
+  const auto forRuns = [&](const auto& body) {
+    parallelFor(runs, threads, 1, [&](std::size_t run, int thread) {
+      for (std::size_t i = run * kRun; i < std::min(count, (run + 1) * kRun); ++i)
+        body(i, run, fitters[static_cast<std::size_t>(thread)]);
+    });
+  };
+  forRuns([&](std::size_t i, std::size_t, ColorFitter& fitter) {
+    if (surface.isLeaf(i)) fitter.raise(i, weights);
+  });
+  std::vector<std::uint8_t> sides(count);
+  std::vector<std::vector<std::uint8_t>> parts(runs);
+  forRuns([&](std::size_t i, std::size_t run, ColorFitter& fitter) {
+    sides[i] = fitter.fitTexture(i, surface.colors.data() + i * kColorBytes, parts[run]);
+  });
+  std::vector<std::uint8_t> texels;
+  for (const auto& part : parts) texels.insert(texels.end(), part.begin(), part.end());
+  surface.setTextures(sides, texels);
+}
 
 }  // namespace
 
@@ -249,13 +311,17 @@ Error fitColors(const PointStore& store, const CloudView& cloud, const ColorView
     return badInput("the surface was not fitted to these points: fit it before its colours");
   threads = resolveThreads(threads);
   const ColorColumns columns = inStoreOrder(store, cloud, colors, threads);
+  const LabTable lab;
+  const double noise = detail::colorNoise(store, columns, lab);
+  detail::LeadingWeights weights(store.size());
   std::vector<ColorFitter> fitters(static_cast<std::size_t>(threads),
-                                   ColorFitter(store, columns, surface));
+                                   ColorFitter(store, columns, surface, lab, noise, weights));
   std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
   parallelFor(surface.size(), threads, 16, [&](std::size_t i, int thread) {
     fitters[static_cast<std::size_t>(thread)].fit(i, bytes.data() + i * kColorBytes);
   });
   surface.colors = std::move(bytes);
+  fitTextures(threads, fitters, weights, surface);
   return {};
 }
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/splat/cielab.h"
+#include "pcl_slim/core/cielab.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/splat_kernels.h"
+#include "cielab_columns.h"
 #include "pcl_slim/core/srgb.h"
 
 namespace pcl_slim {
-
-using namespace detail;
 
 namespace {
 
@@ -117,7 +115,7 @@ LabTable::LabTable(RgbSpace space) {
 void LabTable::labOfLinear(float* r, float* g, float* b, std::size_t n) const {
   const float to_xyz[9] = {to_x_[0], to_x_[1], to_x_[2], to_y_[0], to_y_[1],
                            to_y_[2], to_z_[0], to_z_[1], to_z_[2]};
-  splat_kernels::labOfLinear(to_xyz, r, g, b, n);
+  detail::labOfLinear(to_xyz, r, g, b, n);
 }
 
 std::array<float, 3> LabTable::rgbUnrounded(const float lab[3]) const {

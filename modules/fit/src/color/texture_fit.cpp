@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "color/texture_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "pcl_slim/surface/surfel_color.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr TextureConstants kTextures;
+
+constexpr std::size_t kLookedAt = 4096;  ///< blocks that show the noise
+constexpr double kQuietest = 0.25;       ///< share of blocks that are taken for plain
+
+/** Colour of a polynomial at a place, 0..255. */
+std::array<float, 3> colorAt(const ColorPolynomial& color, float u, float v) {
+  const std::array<float, 6> terms = {1.0f, u, v, u * u, u * v, v * v};
+  std::array<float, 3> sum{};
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += color[k][c] * terms[k];
+  for (float& value : sum) value = std::clamp(value, 0.0f, 255.0f);
+  return sum;
+}
+
+/** The texels around a place, and their weights. */
+struct Around {
+  std::array<std::size_t, 4> at;
+  std::array<float, 4> weight;
+
+  Around(float x, float y, int side) {
+    const auto last = static_cast<float>(side - 1), half = 0.5f * static_cast<float>(side);
+    const float u = std::clamp(half * (x + 1) - 0.5f, 0.0f, last),
+                v = std::clamp(half * (y + 1) - 0.5f, 0.0f, last);
+    const int column = static_cast<int>(u), row = static_cast<int>(v);
+    const float right = u - static_cast<float>(column), up = v - static_cast<float>(row);
+    const int next = column + 1 < side ? 1 : 0, above = row + 1 < side ? side : 0;
+    const int first = row * side + column;
+    at = {static_cast<std::size_t>(first), static_cast<std::size_t>(first + next),
+          static_cast<std::size_t>(first + above), static_cast<std::size_t>(first + above + next)};
+    weight = {(1 - right) * (1 - up), right * (1 - up), (1 - right) * up, right * up};
+  }
+
+  std::array<float, 3> of(const std::vector<std::array<float, 3>>& colors) const {
+    std::array<float, 3> sum{};
+    for (std::size_t k = 0; k < 4; ++k)
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight[k] * colors[at[k]][c];
+    return sum;
+  }
+};
+
+constexpr float kScale = 1 / SurfelTexture::kReach;
+
+/** The weight of a leaf's colours at one of its points. */
+float weightAt(const SheetPoints& points, std::size_t i, float variance_weight) {
+  const float s_sq =
+      points.u[i] * points.u[i] + points.v[i] * points.v[i] + points.w[i] * points.w[i];
+  return variance_weight * SurfelTexture::weight(s_sq, 0.0f);
+}
+
+}  // namespace
+
+void raiseWeights(const SheetPoints& points, float variance_weight, LeadingWeights& weights) {
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float weight = weightAt(points, i, variance_weight);
+    std::uint32_t bits;
+    std::memcpy(&bits, &weight, sizeof bits);
+    std::atomic<std::uint32_t>& leading = weights[points.index[i]];
+    std::uint32_t known = leading.load(std::memory_order_relaxed);
+    while (known < bits && !leading.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
+    }
+  }
+}
+
+double colorNoise(const PointStore& store, const ColorColumns& colors, const LabTable& lab) {
+  std::vector<double> variances;
+  const std::size_t blocks = store.size() / PointStore::kBlock,
+                    step = std::max<std::size_t>(1, blocks / kLookedAt);
+  for (std::size_t b = 0; b < blocks; b += step) {
+    float last[3], next[3];
+    double sum = 0;
+    for (std::size_t k = 0; k < PointStore::kBlock; ++k) {
+      const std::size_t i = b * PointStore::kBlock + k;
+      lab.convert(colors[0][i], colors[1][i], colors[2][i], next);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double step_sq = k > 0 ? double{next[c]} - last[c] : 0.0;
+        sum += 0.5 * step_sq * step_sq;
+        last[c] = next[c];
+      }
+    }
+    variances.push_back(sum / (PointStore::kBlock - 1));
+  }
+  if (variances.empty()) return 0;
+  const auto at = variances.begin() +
+                  static_cast<std::ptrdiff_t>(kQuietest * static_cast<double>(variances.size()));
+  std::nth_element(variances.begin(), at, variances.end());
+  return *at;
+}
+
+/** The linear map from red, green and blue to colours whose distances are Delta E about one colour,
+ * and its inverse: Cholesky factors of the metric of CIELAB there. */
+struct TextureFitter::Metric {
+  std::array<std::array<float, 3>, 3> to{}, from{};
+
+  Metric(const LabTable& lab, const std::array<float, 3>& mean) {
+    constexpr int kStep = 4;
+    double slopes[3][3], g[3][3], l[3][3] = {};
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::uint8_t low[3], high[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int value = static_cast<int>(std::lround(mean[k])), step = k == c ? kStep : 0;
+        low[k] = static_cast<std::uint8_t>(std::max(value - step, 0));
+        high[k] = static_cast<std::uint8_t>(std::min(value + step, 255));
+      }
+      float below[3], above[3];
+      lab.convert(low[0], low[1], low[2], below);
+      lab.convert(high[0], high[1], high[2], above);
+      for (std::size_t k = 0; k < 3; ++k)
+        slopes[c][k] = (double{above[k]} - below[k]) / (high[c] - low[c]);
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b < 3; ++b)
+        g[a][b] =
+            slopes[a][0] * slopes[b][0] + slopes[a][1] * slopes[b][1] + slopes[a][2] * slopes[b][2];
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        double rest = g[a][b];
+        for (std::size_t k = 0; k < b; ++k) rest -= l[a][k] * l[b][k];
+        l[a][b] = a == b ? std::sqrt(std::max(rest, 1e-6)) : rest / l[b][b];
+      }
+    }
+    // Delta E^2 = |L^T d|^2.
+    double inverse[3][3] = {};  // of L^T, upper triangular
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t a = c + 1; a-- > 0;) {
+        double rest = a == c ? 1.0 : 0.0;
+        for (std::size_t k = a + 1; k <= c; ++k) rest -= l[k][a] * inverse[k][c];
+        inverse[a][c] = rest / l[a][a];
+      }
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) {
+        to[a][b] = static_cast<float>(l[b][a]);
+        from[a][b] = static_cast<float>(inverse[a][b]);
+      }
+    }
+  }
+
+  static Even times(const std::array<std::array<float, 3>, 3>& m, const std::array<float, 3>& d) {
+    Even product;
+    for (std::size_t a = 0; a < 3; ++a)
+      product[a] = m[a][0] * d[0] + m[a][1] * d[1] + m[a][2] * d[2];
+    return product;
+  }
+};
+
+/** Takes the points of the disc at which this leaf's colours count. \return those of the disc */
+std::size_t TextureFitter::takePoints(const SheetPoints& points, float variance_weight) {
+  places_.clear();
+  values_.clear();
+  std::array<double, 3> sum{};
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float x = kScale * points.u[i], y = kScale * points.v[i];
+    if (x * x + y * y >= 1) continue;
+    ++inside;
+    if (variance_weight > 0) {
+      const std::uint32_t bits = weights_[points.index[i]].load(std::memory_order_relaxed);
+      float leading;
+      std::memcpy(&leading, &bits, sizeof leading);
+      if (weightAt(points, i, variance_weight) < kTextures.least_share * leading) continue;
+    }
+    Even own;
+    for (std::size_t c = 0; c < 3; ++c) {
+      own[c] = colors_[c][points.index[i]];
+      sum[c] += own[c];
+    }
+    places_.push_back({x, y});
+    values_.push_back(own);
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(places_.size(), 1));
+  for (std::size_t c = 0; c < 3; ++c) mean_[c] = static_cast<float>(sum[c] / count);
+  return inside;
+}
+
+/** Whether the colours of points, whose squared deviations have a sum, vary by more than the
+ * tolerance and their noise. */
+bool TextureFitter::deviates(float count, double square) const {
+  if (count < kTextures.least_points) return false;
+  const double tolerance_sq = kTextures.tolerance * kTextures.tolerance;
+  return square >
+         count * (tolerance_sq + noise_ * (1 + kTextures.deviations / std::sqrt(count - 1)));
+}
+
+/** Whether a polynomial leaves more of the points' colours than that. */
+bool TextureFitter::deviatesFrom(const std::uint8_t* color, const Metric& metric) const {
+  const ColorPolynomial polynomial = decodeColor(color);
+  double square = 0;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    std::array<float, 3> difference = colorAt(polynomial, SurfelTexture::kReach * places_[i][0],
+                                              SurfelTexture::kReach * places_[i][1]);
+    for (std::size_t c = 0; c < 3; ++c) difference[c] -= mean_[c];
+    difference = Metric::times(metric.to, difference);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double d = difference[c] - values_[i][c];
+      square += d * d;
+    }
+  }
+  return deviates(static_cast<float>(places_.size()), square);
+}
+
+/** The sums over the cells of all levels, from side x side texels up to one cell. */
+void TextureFitter::sumUp(int side) {
+  num_levels_ = 1;
+  for (int s = side; s > 1; s = (s + 1) / 2) ++num_levels_;
+  if (levels_.size() < static_cast<std::size_t>(num_levels_))
+    levels_.resize(static_cast<std::size_t>(num_levels_));
+  levels_[0].side = side;
+  levels_[0].cells.assign(static_cast<std::size_t>(side * side), {});
+  const float half = 0.5f * static_cast<float>(side);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const int column = std::min(static_cast<int>(half * (places_[i][0] + 1)), side - 1),
+              row = std::min(static_cast<int>(half * (places_[i][1] + 1)), side - 1);
+    Cell& cell = levels_[0].cells[static_cast<std::size_t>(row * side + column)];
+    const Even& value = values_[i];
+    for (std::size_t c = 0; c < 3; ++c) cell.sum[c] += value[c];
+    cell.square += value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
+    cell.count += 1;
+  }
+  for (int k = 1; k < num_levels_; ++k) {
+    const Level& fine = levels_[static_cast<std::size_t>(k - 1)];
+    Level& coarse = levels_[static_cast<std::size_t>(k)];
+    coarse.side = (fine.side + 1) / 2;
+    coarse.cells.assign(static_cast<std::size_t>(coarse.side * coarse.side), {});
+    for (int row = 0; row < fine.side; ++row) {
+      for (int column = 0; column < fine.side; ++column) {
+        const Cell& part = fine.cells[static_cast<std::size_t>(row * fine.side + column)];
+        Cell& whole = coarse.cells[static_cast<std::size_t>(row / 2 * coarse.side + column / 2)];
+        for (std::size_t c = 0; c < 3; ++c) whole.sum[c] += part.sum[c];
+        whole.square += part.square;
+        whole.count += part.count;
+      }
+    }
+  }
+}
+
+/** Colours all cells from one cell down: the mean of their points where the cell above is divided,
+ * else interpolated from the level above. */
+void TextureFitter::divide() {
+  Level& top = levels_[static_cast<std::size_t>(num_levels_ - 1)];
+  top.colors.assign(1, {});
+  top.cells[0].divided = true;
+  for (int k = num_levels_ - 1; k-- > 0;) {
+    Level& coarse = levels_[static_cast<std::size_t>(k + 1)];
+    Level& fine = levels_[static_cast<std::size_t>(k)];
+    fine.colors.resize(fine.cells.size());
+    const float to_coarse = 1.0f / static_cast<float>(coarse.side);
+    for (int row = 0; row < fine.side; ++row) {
+      for (int column = 0; column < fine.side; ++column) {
+        const auto at = static_cast<std::size_t>(row * fine.side + column);
+        Cell& cell = fine.cells[at];
+        const Cell& above =
+            coarse.cells[static_cast<std::size_t>(row / 2 * coarse.side + column / 2)];
+        if (above.divided && cell.count > 0) {
+          double square = cell.square;
+          for (std::size_t c = 0; c < 3; ++c) {
+            fine.colors[at][c] = cell.sum[c] / cell.count;
+            square -= double{cell.sum[c]} * fine.colors[at][c];
+          }
+          cell.divided = deviates(cell.count, square);
+          continue;
+        }
+        const Around around((static_cast<float>(column) + 0.5f) * to_coarse - 1,
+                            (static_cast<float>(row) + 0.5f) * to_coarse - 1, coarse.side);
+        fine.colors[at] = around.of(coarse.colors);
+        cell.divided = false;
+      }
+    }
+  }
+}
+
+/** Moves texels of divided cells by what interpolation leaves at the points around them. */
+void TextureFitter::sharpen() {
+  Level& texels = levels_[0];
+  const Level& above = levels_[1];
+  sums_.assign(texels.colors.size(), {});
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Around around(places_[i][0], places_[i][1], texels.side);
+    const Even value = around.of(texels.colors);
+    for (std::size_t k = 0; k < 4; ++k) {
+      auto& sum = sums_[around.at[k]];
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += around.weight[k] * (values_[i][c] - value[c]);
+      sum[3] += around.weight[k];
+    }
+  }
+  for (int row = 0; row < texels.side; ++row) {
+    for (int column = 0; column < texels.side; ++column) {
+      const auto at = static_cast<std::size_t>(row * texels.side + column);
+      const bool divided =
+          above.cells[static_cast<std::size_t>(row / 2 * above.side + column / 2)].divided;
+      const auto& sum = sums_[at];
+      for (std::size_t c = 0; c < 3 && divided && sum[3] > 0; ++c)
+        texels.colors[at][c] += kTextures.relaxation * sum[c] / sum[3];
+    }
+  }
+}
+
+int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, float variance_weight,
+                       std::vector<std::uint8_t>& texels) {
+  const std::size_t inside = takePoints(points, variance_weight);
+  if (static_cast<float>(places_.size()) < kTextures.least_points) return 0;
+  const Metric metric(lab_, mean_);
+  for (Even& value : values_) {
+    for (std::size_t c = 0; c < 3; ++c) value[c] -= mean_[c];
+    value = Metric::times(metric.to, value);
+  }
+  if (!deviatesFrom(color, metric)) return 0;
+  const double spacing = std::sqrt(M_PI / static_cast<double>(inside));  // [reach]
+  const int side =
+      std::clamp(static_cast<int>(std::lround(2 / (kTextures.finest * spacing))), 2,
+                 variance_weight > 0 ? SurfelTexture::kMostSide : kTextures.internal_side);
+  sumUp(side);
+  divide();
+  for (int k = 0; k < kTextures.sharpenings; ++k) sharpen();
+  for (const Even& texel : levels_[0].colors) {
+    const auto offset = Metric::times(metric.from, texel);
+    for (std::size_t c = 0; c < 3; ++c)
+      texels.push_back(
+          static_cast<std::uint8_t>(std::lround(std::clamp(mean_[c] + offset[c], 0.0f, 255.0f))));
+  }
+  return side;
+}
+
+}  // namespace pcl_slim::detail
