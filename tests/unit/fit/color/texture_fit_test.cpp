@@ -22,14 +22,15 @@ double heightAt(double x, double y) {
   return 0.1 * x * x - 0.05 * y * y;
 }
 
-/** Points at random over the square [-1, 1]^2, on the paraboloid. */
+/** Points at random over the square [-1, 1]^2, near the paraboloid. */
 Cloud bentSquare(std::size_t points) {
   Cloud cloud;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::normal_distribution<double> noise(0.0, 0.003);
   for (std::size_t i = 0; i < points; ++i) {
     const double x = uniform(random), y = uniform(random);
-    cloud.add(x, y, heightAt(x, y));
+    cloud.add(x, y, heightAt(x, y) + noise(random));
   }
   return cloud;
 }
