@@ -40,6 +40,19 @@ TEST(SurfelTexture, IsBilinearBetweenTheMiddlesOfItsTexels) {
   EXPECT_EQ(single.colorAt(0.3f, -0.6f), (std::array<float, 3>{20, 0, 7}));
 }
 
+TEST(SurfelTexture, IsAveragedOverWidePixels) {
+  // Stripes of a texel: a pixel of several shows their mean.
+  constexpr int kSide = 32;
+  std::vector<std::uint8_t> rgb;
+  for (int k = 0; k < kSide * kSide; ++k)
+    for (int c = 0; c < 3; ++c) rgb.push_back(k % 2 == 0 ? 0 : 200);
+  const SurfelTexture texture{kSide, rgb.data()};
+  const float texel = 2 * SurfelTexture::kReach / kSide;
+  EXPECT_EQ(texture.meanAt(0.1f, 0, 0.9f * texel), texture.colorAt(0.1f, 0));
+  for (float u = -0.3f; u < 0.3f; u += 0.01f)
+    EXPECT_NEAR(texture.meanAt(u, 0, 4 * texel)[0], 100, 30);
+}
+
 TEST(SurfelTexture, CountsMostAtTheMiddleAndNextToNothingBeyond) {
   EXPECT_NEAR(SurfelTexture::weight(0, 1), 1, 1e-3);
   const float reach_sq = SurfelTexture::kReach * SurfelTexture::kReach;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "pcl_slim/surface/surfel_color.h"
 
@@ -296,6 +297,45 @@ void TextureFitter::divide() {
   }
 }
 
+/** Gives texels of divided cells without points the colour of the nearest of the texels about them that
+ * have some: the mixture in the cell above would blur edges. */
+void TextureFitter::fillGaps() {
+  Level& texels = levels_[0];
+  const Level& above = levels_[1];
+  const int side = texels.side;
+  const float half = 0.5f * static_cast<float>(side);
+  middles_.assign(texels.cells.size(), {});
+  for (const auto& place : places_) {
+    const float x = half * (place[0] + 1), y = half * (place[1] + 1);
+    const int column = std::min(static_cast<int>(x), side - 1),
+              row = std::min(static_cast<int>(y), side - 1);
+    auto& middle = middles_[static_cast<std::size_t>(row * side + column)];
+    middle[0] += x;
+    middle[1] += y;
+  }
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const auto at = static_cast<std::size_t>(row * side + column);
+      if (texels.cells[at].count > 0 ||
+          !above.cells[static_cast<std::size_t>(row / 2 * above.side + column / 2)].divided)
+        continue;
+      float least = std::numeric_limits<float>::max();
+      for (int k = 0; k < 9; ++k) {
+        const int x = column + k % 3 - 1, y = row + k / 3 - 1;
+        if (x < 0 || y < 0 || x >= side || y >= side) continue;
+        const auto next = static_cast<std::size_t>(y * side + x);
+        const float count = texels.cells[next].count;
+        if (!(count > 0)) continue;
+        const float dx = middles_[next][0] / count - static_cast<float>(column) - 0.5f,
+                    dy = middles_[next][1] / count - static_cast<float>(row) - 0.5f;
+        if (dx * dx + dy * dy >= least) continue;
+        least = dx * dx + dy * dy;
+        texels.colors[at] = texels.colors[next];
+      }
+    }
+  }
+}
+
 /** Moves texels of divided cells by what interpolation leaves at the points around them. */
 void TextureFitter::sharpen() {
   Level& texels = levels_[0];
@@ -338,6 +378,7 @@ int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, flo
                  variance_weight > 0 ? SurfelTexture::kMostSide : kTextures.internal_side);
   sumUp(side);
   divide();
+  fillGaps();
   for (int k = 0; k < kTextures.sharpenings; ++k) sharpen();
   for (const Even& texel : levels_[0].colors) {
     const auto offset = Metric::times(metric.from, texel);

@@ -80,6 +80,7 @@ class TextureFitter {
   bool deviatesFrom(const std::uint8_t* color, const Metric& metric) const;
   void sumUp(int side);
   void divide();
+  void fillGaps();
   void sharpen();
 
   const ColorColumns& colors_;
@@ -91,7 +92,8 @@ class TextureFitter {
   std::array<float, 3> mean_{};
   std::vector<Level> levels_;  ///< the finest first
   int num_levels_ = 0;
-  std::vector<std::array<float, 4>> sums_;  ///< of texels: corrections, and their weight
+  std::vector<std::array<float, 2>> middles_;  ///< of texels: sums of their points' places
+  std::vector<std::array<float, 4>> sums_;     ///< of texels: corrections, and their weight
 };
 
 }  // namespace pcl_slim::detail

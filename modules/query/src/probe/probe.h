@@ -55,9 +55,10 @@ void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRule
                BlockSheets& sheets);
 
 /** Adds a leaf's colour at the places in its ball. It counts in full where its polynomial passes
- * within kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet. */
+ * within kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet.
+ * \param[in] width over which textures are averaged, local units */
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               BlockColors& colors);
+               float width, BlockColors& colors);
 
 /** Like principalCurvatures(), in single precision and for sixteen points together. */
 void findPrincipals(const BlockSums& sums, BlockPrincipals& principals);

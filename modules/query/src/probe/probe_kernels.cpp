@@ -126,8 +126,8 @@ HWY_INLINE Vec textureWeight(Vec s_sq, Vec blend) {
 }
 
 /** Adds the colours that a leaf's texture has at the near ones of a vector of places. */
-void addTextureColors(const SurfelTexture& map, const Local& p, Mask near, Vec weight,
-                      std::size_t first, BlockColors& colors) {
+void addTextureColors(const SurfelTexture& texture, const Local& p, Mask near, Vec weight,
+                      float width, std::size_t first, BlockColors& colors) {
   const Tag d;
   alignas(64) float u[16], v[16], w[16];
   Store(p.u, d, u);
@@ -135,13 +135,14 @@ void addTextureColors(const SurfelTexture& map, const Local& p, Mask near, Vec w
   Store(IfThenElseZero(near, weight), d, w);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
     if (!(w[k] > 0)) continue;
-    const auto color = map.colorAt(u[k], v[k]);
+    const auto color = texture.meanAt(u[k], v[k], width);
     for (std::size_t c = 0; c < 3; ++c) colors.sum[c][first + k] += w[k] * color[c];
   }
 }
 
 template <int D, WeightKernel K>
-void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& colors) {
+void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, float width,
+                 BlockColors& colors) {
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
   const Tag d;
   const LeafFrame frame(leaf);
@@ -165,10 +166,12 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
     const Vec weight =
         share * set(leaf.variance_weight) * (leaf.textured ? textureWeight(s_sq, blend) : blend);
     addTo(colors.weight + i, near, weight);
-    if (!leaf.texture.empty() &&
-        !AllFalse(d, And(near, s_sq < set(SurfelTexture::kReach * SurfelTexture::kReach)))) {
-      addTextureColors(leaf.texture, p, near, weight, i, colors);
-      continue;
+    Mask plain = near;
+    if (!leaf.texture.empty()) {
+      const Mask inner = s_sq < set(SurfelTexture::kReach * SurfelTexture::kReach);
+      addTextureColors(leaf.texture, p, And(near, inner), weight, width / leaf.radius, i, colors);
+      plain = AndNot(inner, near);
+      if (AllFalse(d, plain)) continue;
     }
     const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -176,16 +179,17 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
       const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));
       const Vec value = MulAdd(term(3), uu, MulAdd(term(4), uv, MulAdd(term(5), vv, slope)));
       const Vec weighted = weight * Min(Max(value, Zero(d)), set(255.0f));
-      addTo(colors.sum[channel] + i, near, weighted);
+      addTo(colors.sum[channel] + i, plain, weighted);
     }
   }
 }
 
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               BlockColors& colors) {
+               float width, BlockColors& colors) {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
-    forKernel(rules.kernel,
-              [&](auto kernel) HWY_ATTR { addColorsOf<degree(), kernel()>(points, leaf, colors); });
+    forKernel(rules.kernel, [&](auto kernel) HWY_ATTR {
+      addColorsOf<degree(), kernel()>(points, leaf, width, colors);
+    });
   });
 }
 
@@ -247,8 +251,8 @@ void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRule
 
 HWY_EXPORT(addColors);
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               BlockColors& colors) {
-  HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, colors);
+               float width, BlockColors& colors) {
+  HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, width, colors);
 }
 
 HWY_EXPORT(findPrincipals);

@@ -41,8 +41,21 @@ struct PixelBlock {
         places[count] = {p[0], p[1], p[2]};
         sides[count] = {sign * n[0], sign * n[1], sign * n[2]};
         pixels[count++] = pixel;
+        widen(buffer, pixel, x + 1 < buffer.width ? buffer.index(x + 1, y) : pixel);
+        widen(buffer, pixel, y + 1 < buffer.height ? buffer.index(x, y + 1) : pixel);
       }
     }
+  }
+
+  /** \brief Least distance of neighbouring pixels' places: about a pixel's width; 0: unknown. */
+  float width = 0;
+
+ private:
+  void widen(const GBuffer& buffer, std::size_t pixel, std::size_t next) {
+    if (next == pixel || !buffer.covered(next)) return;
+    const auto &a = buffer.position[pixel], &b = buffer.position[next];
+    const float distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    width = width > 0 ? std::min(width, distance) : distance;
   }
 };
 
@@ -63,7 +76,8 @@ void SurfacePainter::paint(int threads, GBuffer& buffer) {
       const PixelBlock block(buffer, x, static_cast<int>(row) * kSide);
       if (block.count == 0) continue;
       probe.restart(0);  // no result depends on the blocks before
-      probe.colors(block.places.data(), block.sides.data(), block.count, colors.data());
+      probe.colors(block.places.data(), block.sides.data(), block.count, colors.data(),
+                   block.width);
       for (std::size_t i = 0; i < block.count; ++i) {
         for (std::size_t c = 0; c < 3 && colors[i][c] >= 0.0f; ++c)
           buffer.color[block.pixels[i]][c] = colors[i][c] / 255.0f;

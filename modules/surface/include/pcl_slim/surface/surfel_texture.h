@@ -51,6 +51,24 @@ struct SurfelTexture {
     return color;
   }
 
+  /** \brief The mean colour over a square of the plane about a place, of up to kMostTaps x kMostTaps
+   * places in it: what a pixel shows that is wider than texels. \param[in] width [radii] */
+  std::array<float, 3> meanAt(float u, float v, float width) const {
+    const float texel = 2 * kReach / static_cast<float>(side);
+    if (!(width > texel)) return colorAt(u, v);
+    const int taps = std::min(static_cast<int>(width / texel) + 1, kMostTaps);
+    const float step = width / static_cast<float>(taps), first = 0.5f * (step - width);
+    std::array<float, 3> sum{};
+    for (int k = 0; k < taps * taps; ++k) {
+      const auto color = colorAt(u + first + step * static_cast<float>(k % taps),
+                                 v + first + step * static_cast<float>(k / taps));
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += color[c];
+    }
+    for (float& value : sum) value /= static_cast<float>(taps * taps);
+    return sum;
+  }
+  static constexpr int kMostTaps = 4;
+
   /** \brief The weight of a leaf's colour at a squared distance from its centre [radii], where a
    * surface has textures: the nearest leaf's counts most, so that textures do not blur each other.
    * \param[in] blend the kernel's there, which decides beyond the textures */
