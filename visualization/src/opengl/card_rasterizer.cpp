@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "frame/frame.h"
+#include "glsl/glsl.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 

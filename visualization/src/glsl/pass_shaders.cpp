@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/card_rasterizer.h"
+#include "glsl/glsl.h"
+
+#include <string>
+
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 
@@ -113,7 +116,7 @@ std::string leafPassShader() {
 }
 
 std::string colorPassShader() {
-  return ofLeaves(kBlended, kColorPass);
+  return ofLeaves(std::string(kBlended) + kColors + kPlainColors, kColorPass);
 }
 
 std::string resultShader() {
