@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pass that blends the colours of leaves.
+// The pass that blends the colours of leaves: their polynomials, and their textures where a surface
+// has some.
 #include "glsl/glsl.h"
 
 namespace pcl_slim::detail {
 
-/** A leaf's colour as it is stored: terms of the polynomial, red, green and blue of each. */
+/** A leaf's colour as it is stored: terms of the polynomial, red, green and blue of each; then
+ * where its texture is. */
 const char* const kColors = R"(
 uniform int slimColorAt;      // texel of a leaf at which its colour begins
 
@@ -30,6 +32,37 @@ const char* const kPlainColors = R"(
 float slimColorWeight(float s2) { return slimWeight(s2); }
 
 vec3 slimColor(float terms[20], float u, float v, float s2) { return slimPolynomial(terms, u, v); }
+)";
+
+const char* const kTextureColors = R"(
+// The squared distance from the centre in radii of the surfel, whose ball may be larger.
+float slimOwn2(float s2) { return slimPart.z * slimPart.z * s2; }
+
+float slimColorWeight(float s2)
+{
+  float inner = max(1.0 - slimOwn2(s2) / (kTextureReach * kTextureReach), 0.0);
+  float square = inner * inner, fourth = square * square;
+  return fourth * fourth + kTextureOuterWeight * slimWeight(s2);
+}
+
+// Bilinear between the middles of texels. where: the number of the first one.
+vec3 slimTextureColor(int where, int side, float u, float v)
+{
+  vec2 at = 0.5 * float(side) * (vec2(u, v) / kTextureReach + 1.0) - 0.5;
+  at = clamp(at, 0.0, float(side - 1));
+  ivec2 low = min(ivec2(at), max(side - 2, 0));
+  vec2 part = at - vec2(low);
+  int next = min(side - 1, 1), below = where + low.y * side + low.x, above = below + next * side;
+  return mix(mix(slimTextureTexel(below), slimTextureTexel(below + next), part.x),
+             mix(slimTextureTexel(above), slimTextureTexel(above + next), part.x), part.y);
+}
+
+vec3 slimColor(float terms[20], float u, float v, float s2)
+{
+  int rest = int(terms[19]), side = rest % 256;
+  if (side == 0 || slimOwn2(s2) >= kTextureReach * kTextureReach) return slimPolynomial(terms, u, v);
+  return slimTextureColor(65536 * int(terms[18]) + rest / 256, side, slimPart.z * u, slimPart.z * v);
+}
 )";
 
 const char* const kColorPass = R"(

@@ -27,15 +27,16 @@ namespace pcl_slim::detail {
 /** \brief Texels of four numbers a surfel of a surface takes on the graphics card: centre and
  * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual
  * in radii; where its trim map begins and the level of detail's sizes; then the coefficients; then,
- * of a coloured surface, the terms of its colour, red, green and blue of each. */
+ * of a coloured surface, the terms of its colour, red, green and blue of each, and two numbers for
+ * where its texture is. */
 constexpr int texelsOfLeaf(int degree, bool colored = false) {
-  return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 3) / 4 : 0);
+  return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 2 + 3) / 4 : 0);
 }
 
 struct LeafTexels;
 
-/** \brief A surface's surfels on the graphics card, and the trim maps of the open ones, as textures
- * of one dimension. */
+/** \brief A surface's surfels on the graphics card, the trim maps of the open ones and the colours
+ * of those with textures, as textures of one dimension. */
 class LeafBuffer {
  public:
   LeafBuffer();
@@ -52,6 +53,8 @@ class LeafBuffer {
 
   vtkTextureObject* texture() const { return texture_; }
   vtkTextureObject* trims() const { return trims_; }
+  /** \brief Those of surfels; only where the surface has some. */
+  vtkTextureObject* colors() const { return colors_; }
   int leaves() const { return leaves_; }
   int surfels() const { return surfels_; }  ///< leaves, which come first, and internal ones
 
@@ -60,8 +63,8 @@ class LeafBuffer {
 
   bool there_ = false, internal_there_ = false;
   int leaves_ = 0, surfels_ = 0;
-  vtkNew<vtkOpenGLBufferObject> buffer_, trim_buffer_;
-  vtkNew<vtkTextureObject> texture_, trims_;
+  vtkNew<vtkOpenGLBufferObject> buffer_, trim_buffer_, color_buffer_;
+  vtkNew<vtkTextureObject> texture_, trims_, colors_;
 };
 
 /** \brief What the passes draw into, and its frame buffer. */
