@@ -9,7 +9,8 @@ set(web ${CMAKE_CURRENT_LIST_DIR})
 set(scripts vectors box textures surface rays camera views shaders frames renderer splats viewer numbers legend pointers measure clip
   corner link ui)
 set(window ${web}/../visualization/src)
-set(shaders ${window}/opengl/pass_glsl.cpp ${window}/frame/light_glsl.cpp)
+set(shaders ${window}/glsl/root_glsl.cpp ${window}/glsl/pass_glsl.cpp ${window}/glsl/color_glsl.cpp
+  ${window}/frame/light_glsl.cpp)
 
 set(PCL_SLIM_VIEWER_SOURCES ${CMAKE_CURRENT_LIST_FILE} ${web}/page.html ${shaders})
 foreach(script IN LISTS scripts)

@@ -250,7 +250,7 @@ export function surfacePrograms(constants) {
     first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
     blend: [hull, ofLeaves(5, SHARED.kBlended, SHARED.kTrims, SHARED.kBlendPass)],
     name: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kLeafPass)],
-    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColorPass)],
+    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColors, SHARED.kPlainColors, SHARED.kColorPass)],
     depths: [frame, head + MET_DEPTH],
     result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],

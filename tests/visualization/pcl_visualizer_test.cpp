@@ -11,6 +11,7 @@
 
 #include "pcl_slim/visualization/polydata.h"
 #include "pcl_slim/visualization/splat_mapper.h"
+#include "support/colors.h"
 #include "visualization/test_window.h"
 
 namespace pcl_slim::test {
@@ -142,6 +143,20 @@ TEST_F(PCLVisualizerTest, SplatsOfACloud) {
   EXPECT_NE(getSplatMapper(viewer, "discs"), nullptr);
   EXPECT_TRUE(removeSplats(viewer, "discs"));
   EXPECT_EQ(pixelOf(picture(), 80, 60), (std::array<int, 3>{255, 255, 255}));
+}
+
+TEST(PolyDataTest, HasTheColoursAtCentres) {
+  SLIMSurface surface = *smallSphere();
+  pcl_slim_test::setRandomColors(surface);
+  std::vector<std::uint8_t> sides(surface.size()), texels(12, 40);
+  sides[7] = 2;
+  texels[0] = 44;  // red of one of four texels about the centre
+  surface.setTextures(sides, texels);
+  const auto data = toPolyData(surface);
+  vtkDataArray* colors = data->GetPointData()->GetScalars();
+  EXPECT_EQ(colors->GetComponent(6, 0), surface.colors[6 * kColorBytes]);
+  EXPECT_EQ(colors->GetComponent(7, 0), 41.0);
+  EXPECT_EQ(colors->GetComponent(7, 1), 40.0);
 }
 
 TEST(PolyDataTest, HoldsEverySurfelInWorldUnits) {

@@ -10,6 +10,8 @@
 #include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -75,12 +77,16 @@ class PointBuilder {
   vtkSmartPointer<vtkPolyData> data_ = vtkSmartPointer<vtkPolyData>::New();
 };
 
-/** 0xRRGGBB of every surfel. */
+/** 0xRRGGBB of every surfel at its centre. */
 std::vector<std::uint32_t> colorsAtCenters(const SLIMSurface& surface) {
   std::vector<std::uint32_t> rgb;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const std::uint8_t* c = surface.colors.data() + i * kColorBytes;
-    rgb.push_back(std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | c[2]);
+    std::array<std::uint8_t, 3> color = {c[0], c[1], c[2]};
+    const SurfelTexture texture = surface.texture(i);
+    for (std::size_t k = 0; k < 3 && !texture.empty(); ++k)
+      color[k] = static_cast<std::uint8_t>(std::lround(texture.colorAt(0.0f, 0.0f)[k]));
+    rgb.push_back(std::uint32_t{color[0]} << 16 | std::uint32_t{color[1]} << 8 | color[2]);
   }
   return rgb;
 }

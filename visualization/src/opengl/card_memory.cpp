@@ -23,6 +23,10 @@ struct LeafTexels {
    * leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
    * and its parents' DetailSizes. Balls of internal surfels are drawn larger than their radius. */
   std::vector<float> surfels;
+  /** Texels of the surfels' textures, red, green, blue and one byte more of each: cards have no
+   * buffers of three bytes. Two numbers behind the terms of a colour are where its texture begins,
+   * in 65536 texels, and what that leaves over times 256 plus its side; 0 where there is none. */
+  std::vector<std::uint8_t> colors;
   /** Words of TrimTable, row by row; one word at least, as a buffer cannot be empty. */
   std::vector<std::int32_t> trim_words;
   std::size_t leaves = 0, all = 0;  ///< surfels in the texels
@@ -30,7 +34,10 @@ struct LeafTexels {
 
 namespace {
 
-constexpr std::size_t kWordsOfUnit = 4096;  ///< begins of maps in two floats, both exact
+// Begins of maps and textures are in two floats, both exact.
+constexpr std::size_t kWordsOfUnit = 4096;
+constexpr std::size_t kTexelsOfUnit = 65536, kSides = 256;
+static_assert(SurfelTexture::kMostSide < kSides && kTexelsOfUnit * kSides <= 1u << 24);
 
 /** \brief Appends one surfel after another. */
 class Packer {
@@ -62,7 +69,10 @@ class Packer {
     const std::size_t colors =
         end - length_ + 4 * static_cast<std::size_t>(texelsOfLeaf(s.info.degree));
     to.resize(colors, 0.0f);
-    if (s.hasColors()) addColor(i, scale);
+    if (s.hasColors()) {
+      addColor(i, scale);
+      addTexture(s.texture(i));
+    }
     to.resize(end, 0.0f);
   }
 
@@ -84,6 +94,18 @@ class Packer {
         for (const float value : color[static_cast<std::size_t>(k)])
           texels_.surfels.push_back(power * value);
       }
+    }
+  }
+
+  void addTexture(const SurfelTexture& texture) {
+    if (texture.empty()) return;
+    std::vector<std::uint8_t>& to = texels_.colors;
+    const std::size_t begin = to.size() / 4, side = static_cast<std::size_t>(texture.side);
+    texels_.surfels.push_back(static_cast<float>(begin / kTexelsOfUnit));
+    texels_.surfels.push_back(static_cast<float>(begin % kTexelsOfUnit * kSides + side));
+    for (std::size_t k = 0; k < side * side; ++k) {
+      const std::uint8_t* rgb = texture.rgb + 3 * k;
+      to.insert(to.end(), {rgb[0], rgb[1], rgb[2], 255});
     }
   }
 
@@ -127,6 +149,8 @@ LeafTexels packLeaves(const SLIMSurface& surface, bool with_internal) {
     }
   }
   if (texels.trim_words.empty()) texels.trim_words.push_back(0);
+  // Internal surfels alone may have textures.
+  if (surface.hasTextures() && texels.colors.empty()) texels.colors.resize(4);
   return texels;
 }
 
@@ -152,10 +176,11 @@ Error LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surfa
 Error LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels) {
   GLint most = 0;
   window->GetState()->vtkglGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (std::max(texels.surfels.size() / 4, texels.trim_words.size()) >
+  if (std::max({texels.surfels.size() / 4, texels.trim_words.size(), texels.colors.size() / 4}) >
       static_cast<std::size_t>(std::max(0, most))) {
     return {ErrorCode::kBadArgument,
-            "the graphics card takes no surface of so many leaves; draw it on the CPU"};
+            "the graphics card takes no surface of so many leaves or so fine textures; draw it on "
+            "the CPU"};
   }
   buffer_->Upload(texels.surfels, vtkOpenGLBufferObject::TextureBuffer);
   trim_buffer_->Upload(texels.trim_words, vtkOpenGLBufferObject::TextureBuffer);
@@ -163,19 +188,29 @@ Error LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels)
   trims_->SetContext(window);
   // Of itself VTK would have the shader read whole numbers as floats.
   trims_->SetInternalFormat(GL_R32I);
-  const bool made = texture_->CreateTextureBuffer(static_cast<unsigned>(texels.surfels.size() / 4),
-                                                  4, VTK_FLOAT, buffer_) &&
-                    trims_->CreateTextureBuffer(static_cast<unsigned>(texels.trim_words.size()), 1,
-                                                VTK_INT, trim_buffer_);
+  bool made = texture_->CreateTextureBuffer(static_cast<unsigned>(texels.surfels.size() / 4), 4,
+                                            VTK_FLOAT, buffer_) &&
+              trims_->CreateTextureBuffer(static_cast<unsigned>(texels.trim_words.size()), 1,
+                                          VTK_INT, trim_buffer_);
+  if (texels.colors.empty()) {  // those of another surface are no longer needed
+    colors_->ReleaseGraphicsResources(window);
+    color_buffer_->ReleaseGraphicsResources();
+  } else {
+    color_buffer_->Upload(texels.colors, vtkOpenGLBufferObject::TextureBuffer);
+    colors_->SetContext(window);
+    colors_->SetInternalFormat(GL_RGBA8);
+    made = made && colors_->CreateTextureBuffer(static_cast<unsigned>(texels.colors.size() / 4), 4,
+                                                VTK_UNSIGNED_CHAR, color_buffer_);
+  }
   return made ? Error{}
               : Error{ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
 }
 
 void LeafBuffer::release(vtkWindow* window) {
-  for (vtkTextureObject* texture : {texture_.Get(), trims_.Get()}) {
+  for (vtkTextureObject* texture : {texture_.Get(), trims_.Get(), colors_.Get()}) {
     texture->ReleaseGraphicsResources(window);
   }
-  for (vtkOpenGLBufferObject* buffer : {buffer_.Get(), trim_buffer_.Get()}) {
+  for (vtkOpenGLBufferObject* buffer : {buffer_.Get(), trim_buffer_.Get(), color_buffer_.Get()}) {
     buffer->ReleaseGraphicsResources();
   }
   there_ = false;

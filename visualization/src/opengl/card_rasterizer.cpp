@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "frame/frame.h"
+#include "glsl/glsl.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 
@@ -303,10 +304,14 @@ Error CardRasterizer::addColors(Pass& pass, FrameTextures& frame) {
   pass.state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE,
                              GL_TRUE);  // heeded when buffers are cleared
   clear(0, 0.0f);
-  if (Error error = pass.begin(leafVertexShader(), colorPassShader())) return error;
+  const bool textured = surface_->hasTextures();
+  if (Error error = pass.begin(leafVertexShader(), colorPassShader(textured))) {
+    return error;
+  }
   pass.state->vtkglDisable(GL_DEPTH_TEST);
   pass.addInto(GL_FUNC_ADD);
   pass.texture("slimShown", frame.geometry());
+  if (textured) pass.texture("slimTextures", leaves_.colors());
   pass.drawLeaves(1.0f, false, true);
   return {};
 }

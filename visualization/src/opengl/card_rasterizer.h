@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A surface on the graphics card: its surfels there, what the passes draw into, their shaders, and
-// the rasteriser.
+// A surface on the graphics card: its surfels there, what the passes draw into, and the rasteriser.
 #pragma once
 
 #include <vtkNew.h>
@@ -28,15 +27,16 @@ namespace pcl_slim::detail {
 /** \brief Texels of four numbers a surfel of a surface takes on the graphics card: centre and
  * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual
  * in radii; where its trim map begins and the level of detail's sizes; then the coefficients; then,
- * of a coloured surface, the terms of its colour, red, green and blue of each. */
+ * of a coloured surface, the terms of its colour, red, green and blue of each, and two numbers for
+ * where its texture is. */
 constexpr int texelsOfLeaf(int degree, bool colored = false) {
-  return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 3) / 4 : 0);
+  return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 2 + 3) / 4 : 0);
 }
 
 struct LeafTexels;
 
-/** \brief A surface's surfels on the graphics card, and the trim maps of the open ones, as textures
- * of one dimension. */
+/** \brief A surface's surfels on the graphics card, the trim maps of the open ones and the colours
+ * of those with textures, as textures of one dimension. */
 class LeafBuffer {
  public:
   LeafBuffer();
@@ -53,6 +53,8 @@ class LeafBuffer {
 
   vtkTextureObject* texture() const { return texture_; }
   vtkTextureObject* trims() const { return trims_; }
+  /** \brief Those of surfels; only where the surface has some. */
+  vtkTextureObject* colors() const { return colors_; }
   int leaves() const { return leaves_; }
   int surfels() const { return surfels_; }  ///< leaves, which come first, and internal ones
 
@@ -61,8 +63,8 @@ class LeafBuffer {
 
   bool there_ = false, internal_there_ = false;
   int leaves_ = 0, surfels_ = 0;
-  vtkNew<vtkOpenGLBufferObject> buffer_, trim_buffer_;
-  vtkNew<vtkTextureObject> texture_, trims_;
+  vtkNew<vtkOpenGLBufferObject> buffer_, trim_buffer_, color_buffer_;
+  vtkNew<vtkTextureObject> texture_, trims_, colors_;
 };
 
 /** \brief What the passes draw into, and its frame buffer. */
@@ -102,46 +104,6 @@ class CardState {
   struct Saved;
   Saved* saved_;
 };
-
-/** \brief GLSL of the camera: uniforms and the ray through a fragment. */
-extern const char* const kCameraGlsl;
-/** \brief GLSL of a leaf: its texels, its polynomial along a ray, and that one's roots. */
-extern const char* const kLeafGlsl;
-
-// The passes of a frame, for VTK and for pages (web/bundle.cmake reads them). They take the numbers
-// of FrameConstant by name, and slimTexel() and slimTrimWord() from whoever stores the surface.
-extern const char* const kSurfel;     ///< vertex: what a surfel counts for, where its trim map is
-extern const char* const kTrims;      ///< lookup in trim maps
-extern const char* const kFirstPass;  ///< first hits
-extern const char* const kBlended;    ///< what the next two have in common
-extern const char* const kBlendPass;  ///< sums over the leaves at a first hit
-extern const char* const kLeafPass;   ///< the leaf of the largest weight
-extern const char* const kColorPass;  ///< sums of colours over the leaves at the blend
-extern const char* const kSums;       ///< a pixel's sums, and whether its leaves cover the blend
-extern const char* const kResult;     ///< normal, depth and curvatures of the sums
-extern const char* const kPeel;       ///< where uncovered rays begin once more
-
-// The passes of Ohtake, Belyaev, Alexa 2005, section 3, in GLSL 1.50, each leaf a rectangle around
-// its ball and each pixel a ray. The rules are those of the reference rasteriser, in float.
-
-/** \brief Vertices of a leaf's rectangle, the leaf being the instance. */
-std::string leafVertexShader();
-/** \brief Vertices of the whole frame. */
-std::string frameVertexShader();
-
-/** \brief Pass 1: depth of a leaf's first root inside its shrunk ball, for blending by minimum. */
-std::string firstPassShader();
-/** \brief Pass 2: what a leaf adds to the sums of a pixel, for blending by addition. */
-std::string blendPassShader();
-/** \brief Radius, level and residual of the leaf of the largest weight, by a depth test. */
-std::string leafPassShader();
-/** \brief What a leaf adds to the colour of the blend that is shown: weighted red, green, blue and
- * the weight, for blending by addition. */
-std::string colorPassShader();
-/** \brief Sums to normal, depth and curvatures, where the leaves cover the blend. */
-std::string resultShader();
-/** \brief Where rays whose blend is not covered begin again behind it. */
-std::string peelShader();
 
 /** \brief The graphics card's rasteriser of a surface: fills the textures that the CPU's frame is
  * uploaded to otherwise. Pass 1 and pass 2 as in the paper; rays whose blend is not covered go

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/card_rasterizer.h"
+#include "glsl/glsl.h"
+
+#include <string>
+
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/detail/frame_constants.h"
+#include "pcl_slim/surface/surfel_texture.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -67,7 +71,10 @@ std::string constants() {
     text += "const float " + std::string(c.name) + " = " + std::to_string(c.value) + ";\n";
   }
   return text + "const float kColorGate = " + std::to_string(kColorGate) +
-         ";\nconst float kOtherSheet = " + std::to_string(kOtherSheet) + ";\n";
+         ";\nconst float kOtherSheet = " + std::to_string(kOtherSheet) +
+         ";\nconst float kTextureReach = " + std::to_string(SurfelTexture::kReach) +
+         ";\nconst float kTextureOuterWeight = " + std::to_string(SurfelTexture::kOuterWeight) +
+         ";\n";
 }
 
 /** How shaders read a surface here. */
@@ -78,6 +85,10 @@ vec4 slimTexel(int at) { return texelFetch(slimLeaves, at); }
 constexpr const char* kTrimTexels = R"(
 uniform isamplerBuffer slimTrims;
 int slimTrimWord(int at) { return texelFetch(slimTrims, at).x; }
+)";
+constexpr const char* kTextureTexels = R"(
+uniform samplerBuffer slimTextures;
+vec3 slimTextureTexel(int at) { return 255.0 * texelFetch(slimTextures, at).rgb; }
 )";
 
 const std::string kHead = "//VTK::System::Dec\n" + constants();
@@ -112,8 +123,10 @@ std::string leafPassShader() {
   return ofLeaves(kBlended, kLeafPass);
 }
 
-std::string colorPassShader() {
-  return ofLeaves(kBlended, kColorPass);
+std::string colorPassShader(bool textured) {
+  const std::string colors = std::string(kBlended) + kColors;
+  return ofLeaves(textured ? colors + kTextureTexels + kTextureColors : colors + kPlainColors,
+                  kColorPass);
 }
 
 std::string resultShader() {
