@@ -125,14 +125,14 @@ HWY_INLINE Vec textureWeight(Vec s_sq, Vec blend) {
   return MulAdd(fourth, fourth, set(SurfelTexture::kOuterWeight) * blend);
 }
 
-/** Adds the colours that a leaf's texture has at the near ones of a vector of places. */
-void addTextureColors(const SurfelTexture& map, const Local& p, Mask near, Vec weight,
+/** Adds the colours that a leaf's texture has at some of a vector of places. */
+void addTextureColors(const SurfelTexture& map, const Local& p, Mask some, Vec weight,
                       std::size_t first, BlockColors& colors) {
   const Tag d;
   alignas(64) float u[16], v[16], w[16];
   Store(p.u, d, u);
   Store(p.v, d, v);
-  Store(IfThenElseZero(near, weight), d, w);
+  Store(IfThenElseZero(some, weight), d, w);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
     if (!(w[k] > 0)) continue;
     const auto color = map.colorAt(u[k], v[k]);
@@ -165,10 +165,13 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
     const Vec weight =
         share * set(leaf.variance_weight) * (leaf.textured ? textureWeight(s_sq, blend) : blend);
     addTo(colors.weight + i, near, weight);
-    if (!leaf.texture.empty() &&
-        !AllFalse(d, And(near, s_sq < set(SurfelTexture::kReach * SurfelTexture::kReach)))) {
-      addTextureColors(leaf.texture, p, near, weight, i, colors);
-      continue;
+    Mask plain = near;
+    if (!leaf.texture.empty()) {
+      constexpr float kReach = SurfelTexture::kReach;
+      const Mask textured = And(near, s_sq < set(kReach * kReach));
+      if (!AllFalse(d, textured)) addTextureColors(leaf.texture, p, textured, weight, i, colors);
+      plain = AndNot(textured, near);
+      if (AllFalse(d, plain)) continue;
     }
     const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -176,7 +179,7 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& 
       const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));
       const Vec value = MulAdd(term(3), uu, MulAdd(term(4), uv, MulAdd(term(5), vv, slope)));
       const Vec weighted = weight * Min(Max(value, Zero(d)), set(255.0f));
-      addTo(colors.sum[channel] + i, near, weighted);
+      addTo(colors.sum[channel] + i, plain, weighted);
     }
   }
 }
