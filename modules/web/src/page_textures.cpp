@@ -125,7 +125,9 @@ class FrameChange {
   /** \brief Of the point of the surface there. */
   std::array<double, 2> before(double u, double v) const {
     Vector3 offset = shift_;
-    const double h = heightAt(u, v);
+    // No place farther from the plane has colours of the texture.
+    constexpr double kMostHeight = SurfelTexture::kReach;
+    const double h = std::clamp(heightAt(u, v), -kMostHeight, kMostHeight);
     for (std::size_t k = 0; k < 3; ++k)
       offset[k] += to_radius_ * (u * to_.u[k] + v * to_.v[k] + h * to_.w[k]);
     return {dot(offset, from_.u) / from_radius_, dot(offset, from_.v) / from_radius_};
