@@ -2,10 +2,7 @@
 #include "page_textures.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
-
-#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -107,78 +104,6 @@ void TexturePacker::write(PlaneWriter& out) const {
   for (const auto& channel : planes_) {
     for (const auto& plane : channel) out.data.insert(out.data.end(), plane.begin(), plane.end());
   }
-}
-
-namespace {
-
-/** Where places of a surfel's plane are in the plane that it had before. */
-class FrameChange {
- public:
-  FrameChange(int degree, const float* c, const SurfelFrame& from, const SurfelFrame& to)
-      : c_(inNewFrame(degree, c, from, to)),
-        from_(from.normal),
-        to_(to.normal),
-        shift_(subtract(to.center, from.center)),
-        from_radius_(from.radius),
-        to_radius_(to.radius) {}
-
-  /** \brief Of the point of the surface there. */
-  std::array<double, 2> before(double u, double v) const {
-    Vector3 offset = shift_;
-    // No place farther from the plane has colours of the texture.
-    constexpr double kMostHeight = SurfelTexture::kReach;
-    const double h = std::clamp(heightAt(u, v), -kMostHeight, kMostHeight);
-    for (std::size_t k = 0; k < 3; ++k)
-      offset[k] += to_radius_ * (u * to_.u[k] + v * to_.v[k] + h * to_.w[k]);
-    return {dot(offset, from_.u) / from_radius_, dot(offset, from_.v) / from_radius_};
-  }
-
- private:
-  /** Coefficients above the degree are 0. */
-  double heightAt(double u, double v) const {
-    std::array<float, kMaxCoefficients> c;
-    std::transform(c_.begin(), c_.end(), c.begin(), [](double x) { return static_cast<float>(x); });
-    return evaluateHeight(kMaxDegree, c.data(), u, v);
-  }
-
-  std::array<double, kMaxCoefficients> c_;
-  LocalFrame from_, to_;
-  Vector3 shift_;
-  double from_radius_, to_radius_;
-};
-
-}  // namespace
-
-std::vector<std::uint8_t> textureInNewFrame(const SurfelTexture& texture, int degree,
-                                            const float* c, const SurfelFrame& from,
-                                            const SurfelFrame& to) {
-  constexpr double kReach = SurfelTexture::kReach;
-  constexpr double kMostShift = 0.1;  // [texels]
-  constexpr double kCorner = 0.7;     // [reach] of a square inside the disc
-  const FrameChange change(degree, c, from, to);
-  const double texel = 2.0 * kReach / texture.side;
-  double shift = 0.0;
-  for (const double u : {-kCorner * kReach, kCorner * kReach}) {
-    for (const double v : {-kCorner * kReach, kCorner * kReach}) {
-      const auto place = change.before(u, v);
-      shift = std::max(shift, std::hypot(place[0] - u, place[1] - v) / texel);
-    }
-  }
-  const std::size_t bytes = SurfelTexture::numBytes(texture.side);
-  if (shift <= kMostShift) return {texture.rgb, texture.rgb + bytes};
-  std::vector<std::uint8_t> texels;
-  texels.reserve(bytes);
-  for (int row = 0; row < texture.side; ++row) {
-    for (int column = 0; column < texture.side; ++column) {
-      const auto place =
-          change.before((column + 0.5) * texel - kReach, (row + 0.5) * texel - kReach);
-      const auto color =
-          texture.colorAt(static_cast<float>(place[0]), static_cast<float>(place[1]));
-      for (const float value : color)
-        texels.push_back(static_cast<std::uint8_t>(std::lround(value)));
-    }
-  }
-  return texels;
 }
 
 }  // namespace pcl_slim::detail

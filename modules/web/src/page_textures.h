@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "page_columns.h"
-#include "pcl_slim/surface/detail/new_frame.h"
-#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_texture.h"
 
 namespace pcl_slim::detail {
 
@@ -59,12 +58,5 @@ class TexturePacker {
   std::array<std::array<std::vector<unsigned char>, kTexelPlanes>, 3> planes_;
   std::vector<LumaTexel> texels_;
 };
-
-/** \brief The texels of a surfel for the ball and frame that it has in a page. They are the same
- * where none moves by more than a tenth of a texel, and are interpolated elsewhere.
- * \param[in] c coefficients in the frame before. O(texels). */
-std::vector<std::uint8_t> textureInNewFrame(const SurfelTexture& texture, int degree,
-                                            const float* c, const SurfelFrame& from,
-                                            const SurfelFrame& to);
 
 }  // namespace pcl_slim::detail

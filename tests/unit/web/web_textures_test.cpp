@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "page_textures.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/web/page.h"
 #include "pcl_slim/web/web_surface.h"
@@ -114,30 +113,6 @@ TEST(WebTextures, AreDrawnAsInPictures) {
   EXPECT_LT(percentile(from_waves, 0.99), 12.0);
 }
 
-TEST(WebTextures, AreInterpolatedForAnotherBall) {
-  const SLIMSurface sphere = wavySphere();
-  const SurfelTexture texture = sphere.texture(7);
-  const detail::SurfelFrame from{{sphere.cx[7], sphere.cy[7], sphere.cz[7]},
-                                 {sphere.nx[7], sphere.ny[7], sphere.nz[7]},
-                                 sphere.radius[7]};
-  const auto same = detail::textureInNewFrame(texture, 2, sphere.coefficientsOf(7), from, from);
-  EXPECT_TRUE(std::equal(same.begin(), same.end(), texture.rgb));
-  detail::SurfelFrame to = from;
-  to.radius *= 1.05;
-  to.center[0] += 0.01 * from.radius;
-  const auto moved = detail::textureInNewFrame(texture, 2, sphere.coefficientsOf(7), from, to);
-  SLIMSurface other = sphere.slice(7, 8);
-  other.cx[0] = static_cast<float>(to.center[0]);
-  other.radius[0] = static_cast<float>(to.radius);
-  const auto c = detail::inNewFrame(2, sphere.coefficientsOf(7), from, to);
-  std::copy_n(c.begin(), other.coefficients.size(), other.coefficients.begin());
-  pcl_slim_test::setTexturesOf(other, texture.side, waves);
-  const SurfelTexture seen{texture.side, moved.data()};
-  // Of waves of which a texel is a fifteenth: 128 * (2 pi / 15)^2 / 8, and rounding.
-  EXPECT_LT(worstDifference(seen, other.texture(0)), 4.0f);
-  EXPECT_GT(worstDifference(texture, other.texture(0)), 8.0f);
-}
-
 TEST(WebTextures, AreSmall) {
   const SLIMSurface sphere = wavySphere();
   SLIMSurface plain = sphere;
@@ -151,9 +126,9 @@ TEST(WebTextures, AreSmall) {
     return static_cast<double>(bytes->size() - without->size());
   };
   const double texels = 24.0 * 24.0 * static_cast<double>(sphere.size());
-  // Three bytes as they are; their median residuals are below 4 and below 1.
+  // Of three bytes: neighbours differ by up to 50, and from the prediction by a step or two.
   EXPECT_LT(bytesAt(0), 1.2 * texels);
-  EXPECT_LT(bytesAt(2), 0.6 * texels);
+  EXPECT_LT(bytesAt(2), 0.75 * texels);
   EXPECT_LT(bytesAt(4), bytesAt(2));
 }
 
