@@ -24,8 +24,10 @@ struct Settings {
   ScanFiles files;
   FitJob job;
   TileRequest tiles;
-  double rounding = 0.0;  ///< of a .slim
+  SlimRounding rounding;  ///< of a .slim
 };
+
+constexpr int kRoundedColors = 2;  ///< greatest error of colours in rounded files, of 255
 
 OptionTable declareOptions(const char* program, Settings& s) {
   OptionTable options(program, PCL_SLIM_VERSION,
@@ -37,10 +39,13 @@ OptionTable declareOptions(const char* program, Settings& s) {
   declareColorOption(options, s.job);
   declareTileOptions(options, s.tiles);
   if (s.tiles.ranks == nullptr) declarePlanOptions(options, s.tiles);
-  options.number("quantize", &s.rounding, 0.001, 1,
+  options.number("quantize", &s.rounding.share, 0.001, 1,
                  "round a .slim to a sixth of its bytes: the surface moves by this share of its "
                  "residual; .1 suits most",
                  "off");
+  options.integer("color_error", &s.rounding.color_error, 0, 32,
+                  "greatest error of the colours in a .slim's textures, of 255",
+                  "0, or 2 with -quantize");
   declareReport(options, s.files);
   return options;
 }
@@ -50,8 +55,13 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   s.tiles.asked = options.given("tile_points");
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
-  if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
+  const bool in_slim = lowerExtension(s.files.output) == ".slim";
+  if (s.rounding.share > 0.0 && !in_slim)
     return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
+  if (s.rounding.color_error > 0 && !in_slim)
+    return {ErrorCode::kBadArgument, "-color_error is of .slim files alone; name one as output"};
+  if (s.rounding.share > 0.0 && !options.given("color_error"))
+    s.rounding.color_error = kRoundedColors;
   if (Error error = checkFilesDiffer(s.files, filesRead(s.job))) return error;
   if (s.tiles.ranks != nullptr && s.tiles.ranks->rank() != 0) {
     s.files.quiet = true;  // only the first rank prints and writes
@@ -130,6 +140,8 @@ Exit run(const OptionTable& options, Settings& s) {
   if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
   SLIMSurface surface;
   if (Error error = fitScan(s.job, *scan, console, report, surface)) return error;
+  if (surface.hasTextures() && lowerExtension(s.files.output) != ".slim")
+    console.note("colours: one gradient a surfel in this format; .slim keeps the textures");
   return saveOutput(
       s.files.output, s.files.json,
       [&] { return saveSurface(s.files.output, surface, s.rounding); },

@@ -347,6 +347,7 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
   printSideNotes(statistics.sides.source, statistics.sides.normals, console);
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
+  for (const std::string& note : colorNotes(surface)) console.note(note);
   if (statistics.noise.normals_follow_points) {
     console.note(
         "  the normals follow the points' own noise, or too few points tell: "

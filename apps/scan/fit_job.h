@@ -99,6 +99,9 @@ FittedPoints fittedPoints(const PointStore& store);
 void reportFit(const FittedPoints& points, const SLIMSurface& surface, const FitStatistics& fit,
                Report& report);
 
+/** \brief Lines about the textures of a surface; none where it has none. */
+std::vector<std::string> colorNotes(const SLIMSurface& surface);
+
 /** \brief A surface read in place of a fit, into the report: its lambda under a fit's key. */
 void reportSurface(const std::string& path, const SLIMSurface& surface, Report& report);
 

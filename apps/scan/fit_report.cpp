@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/fit_job.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -95,6 +96,7 @@ void reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const Fit
               {"gathered", fit.gathered},
               {"open_leaves", fit.open_leaves},
               {"trim_bytes", surface.trim_maps.size()},
+              {"texture_bytes", surface.textures.size()},
               {"store_bytes", fitted.store_bytes},
               {"working_bytes", fit.working_bytes}});
   report.set("skipped", skippedCounts(fitted, fit));
@@ -207,6 +209,26 @@ std::vector<std::string> coverNotes(const FitStatistics& fit) {
   if (fit.unresolved > 0) {
     notes.push_back("  " + counted(fit.unresolved, "point") +
                     " in groups too small for the scan's width: fit them by themselves");
+  }
+  return notes;
+}
+
+std::vector<std::string> colorNotes(const SLIMSurface& surface) {
+  const TextureStatistics textures = surface.textureStatistics();
+  if (textures.leaves == 0) return {};
+  const double points = static_cast<double>(std::max<std::uint64_t>(surface.info.num_points, 1));
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "  colours: textures on %llu of %llu leaves, %.1f texels a point, the finest %.3g wide",
+      static_cast<unsigned long long>(textures.leaves),
+      static_cast<unsigned long long>(surface.numLeaves()),
+      static_cast<double>(textures.texels) / points, textures.finest);
+  std::vector<std::string> notes = {text};
+  if (textures.limited > 0) {
+    notes.push_back("  colours: " + counted(textures.limited, "texture") + " at the most of " +
+                    std::to_string(SurfelTexture::kMostSide) +
+                    " texels a side: coarser than the points");
   }
   return notes;
 }

@@ -41,14 +41,14 @@ inline void setRandomColors(pcl_slim::SLIMSurface& surface) {
   }
 }
 
-/** Textures of random texels, of up to 12 a side, for all surfels but every thirteenth. */
+/** Random textures of all surfels but every third. */
 inline void setRandomTextures(pcl_slim::SLIMSurface& surface) {
-  std::mt19937 random(6);
+  std::mt19937 random(7);
   std::vector<std::uint8_t> sides, texels;
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    sides.push_back(static_cast<std::uint8_t>(i % 13));
-    const std::size_t bytes = pcl_slim::SurfelTexture::numBytes(sides.back());
-    for (std::size_t k = 0; k < bytes; ++k) texels.push_back(static_cast<std::uint8_t>(random()));
+    sides.push_back(i % 3 == 2 ? 0 : static_cast<std::uint8_t>(1 + random() % 20));
+    for (std::size_t k = 0; k < pcl_slim::SurfelTexture::numBytes(sides.back()); ++k)
+      texels.push_back(static_cast<std::uint8_t>(random()));
   }
   surface.setTextures(sides, texels);
 }

@@ -306,12 +306,13 @@ Result<SLIMSurface> loadPieces(const std::string& path) {
 
 }  // namespace
 
-Error saveSurface(const std::string& path, const SLIMSurface& surface, double rounding) {
+Error saveSurface(const std::string& path, const SLIMSurface& surface,
+                  const SlimRounding& rounding) {
   if (Error error = checkSurfaceExtension(path)) return error;
   if (Error error = surface.validate()) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".slim") return saveSlim(path, surface, rounding);
-  if (rounding > 0.0)
+  if (rounding.share > 0.0 || rounding.color_error > 0)
     return {ErrorCode::kBadArgument, "'" + path + "' keeps floats; round a .slim file instead"};
   const PointFile file = pointsOf(surface);
   if (extension != ".pvtp") return savePointFile(path, file);

@@ -161,6 +161,20 @@ float SLIMSurface::varianceWeight(std::size_t i) const {
   return static_cast<float>(expected / (expected + e * e));
 }
 
+TextureStatistics SLIMSurface::textureStatistics() const {
+  TextureStatistics sum;
+  for (std::size_t i = 0; i < size() && hasTextures(); ++i) {
+    const int side = texture(i).side;
+    if (side == 0 || !isLeaf(i)) continue;
+    const double width = 2 * SurfelTexture::kReach * info.scale * radius[i] / side;
+    sum.finest = sum.leaves == 0 ? width : std::min(sum.finest, width);
+    ++sum.leaves;
+    sum.texels += static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side);
+    sum.limited += side == SurfelTexture::kMostSide;
+  }
+  return sum;
+}
+
 void SLIMSurface::clear() {
   resize(0);
   child_begin.clear();

@@ -13,8 +13,11 @@ namespace {
 
 constexpr TextureConstants kTextures;
 
-constexpr std::size_t kLookedAt = 4096;  ///< blocks that show the noise
-constexpr double kQuietest = 0.25;       ///< share of blocks that are taken for plain
+constexpr std::size_t kGroup = 128;      ///< successive points, enough to show noise
+constexpr std::size_t kLookedAt = 1024;  ///< groups
+constexpr double kQuietest = 0.1;        ///< share of groups that are taken for plain
+/// Of chi squared over its mean: .455 where noise is grey, .789 where channels are independent.
+constexpr double kMedianOfVariance = 0.5;
 
 /** Colour of a polynomial at a place, 0..255. */
 std::array<float, 3> colorAt(const ColorPolynomial& color, float u, float v) {
@@ -75,28 +78,33 @@ void raiseWeights(const SheetPoints& points, float variance_weight, LeadingWeigh
   }
 }
 
+/** Half the squared distance of colours of successive points, which are near each other, is their
+ * noise's variance on average; its median in a group does without the edges of what is painted. */
 double colorNoise(const PointStore& store, const ColorColumns& colors, const LabTable& lab) {
-  std::vector<double> variances;
-  const std::size_t blocks = store.size() / PointStore::kBlock,
-                    step = std::max<std::size_t>(1, blocks / kLookedAt);
-  for (std::size_t b = 0; b < blocks; b += step) {
-    float last[3], next[3];
-    double sum = 0;
-    for (std::size_t k = 0; k < PointStore::kBlock; ++k) {
-      const std::size_t i = b * PointStore::kBlock + k;
+  std::vector<double> medians;
+  const std::size_t groups = store.size() / kGroup,
+                    step = std::max<std::size_t>(1, groups / kLookedAt);
+  for (std::size_t g = 0; g < groups; g += step) {
+    std::array<double, kGroup - 1> halves;
+    float last[3] = {}, next[3];
+    for (std::size_t k = 0; k < kGroup; ++k) {
+      const std::size_t i = g * kGroup + k;
       lab.convert(colors[0][i], colors[1][i], colors[2][i], next);
+      double sum = 0;
       for (std::size_t c = 0; c < 3; ++c) {
-        const double step_sq = k > 0 ? double{next[c]} - last[c] : 0.0;
-        sum += 0.5 * step_sq * step_sq;
+        const double difference = double{next[c]} - last[c];
+        sum += 0.5 * difference * difference;
         last[c] = next[c];
       }
+      if (k > 0) halves[k - 1] = sum;
     }
-    variances.push_back(sum / (PointStore::kBlock - 1));
+    std::nth_element(halves.begin(), halves.begin() + halves.size() / 2, halves.end());
+    medians.push_back(halves[halves.size() / 2] / kMedianOfVariance);
   }
-  if (variances.empty()) return 0;
-  const auto at = variances.begin() +
-                  static_cast<std::ptrdiff_t>(kQuietest * static_cast<double>(variances.size()));
-  std::nth_element(variances.begin(), at, variances.end());
+  if (medians.empty()) return 0;
+  const auto at = medians.begin() +
+                  static_cast<std::ptrdiff_t>(kQuietest * static_cast<double>(medians.size()));
+  std::nth_element(medians.begin(), at, medians.end());
   return *at;
 }
 
@@ -273,8 +281,14 @@ void TextureFitter::divide() {
           cell.divided = deviates(cell.count, square);
           continue;
         }
-        const Around around((static_cast<float>(column) + 0.5f) * to_coarse - 1,
-                            (static_cast<float>(row) + 0.5f) * to_coarse - 1, coarse.side);
+        Around around((static_cast<float>(column) + 0.5f) * to_coarse - 1,
+                      (static_cast<float>(row) + 0.5f) * to_coarse - 1, coarse.side);
+        // Divided cells are mixtures of colours.
+        float plain = 0;
+        for (std::size_t n = 0; n < 4; ++n)
+          plain += coarse.cells[around.at[n]].divided ? 0.0f : around.weight[n];
+        for (std::size_t n = 0; n < 4 && plain > 0; ++n)
+          around.weight[n] *= coarse.cells[around.at[n]].divided ? 0.0f : 1 / plain;
         fine.colors[at] = around.of(coarse.colors);
         cell.divided = false;
       }

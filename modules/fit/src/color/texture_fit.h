@@ -21,7 +21,7 @@ using ColorColumns = std::array<AlignedVector<std::uint8_t>, 3>;
 /** \brief When a surfel's colours need a texture, and how fine it is. */
 struct TextureConstants {
   double tolerance = 1.0;     ///< [Delta E] RMS deviation in a cell that is not divided
-  double deviations = 2.0;    ///< of the noise's mean square in a cell, added to it
+  double deviations = 3.0;    ///< of the noise's mean square in a cell, added to it
   float least_points = 2;     ///< of a cell that is divided
   double finest = 1.0;        ///< [spacing of the points] width of the texels
   int internal_side = 16;     ///< most texels a side of surfels that are no leaves: seen from afar

@@ -67,7 +67,29 @@ void setColumns(const std::vector<Surfel>& surfels, bool colored, SLIMSurface& s
   if (colored) s.colors = std::move(colors);
 }
 
-/** Leaves before internal surfels, each along a Morton curve. */
+/** What rounding may change, for a share of the RMS residual of the leaves. */
+Tolerance toleranceOf(const SLIMSurface& s, double share) {
+  constexpr double kLeast = 1e-9;  // of the diagonal: below float's resolution
+  constexpr double kTilt = 0.3;    // of a leaf's tolerance, on heights of a tenth of its radius
+  double residual = 0.0, radius = 0.0;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    if (!s.isLeaf(i)) continue;
+    residual += double{s.error[i]} * s.error[i];
+    radius += double{s.radius[i]} * s.radius[i];
+  }
+  const auto leaves = static_cast<double>(std::max<std::size_t>(1, s.numLeaves()));
+  Tolerance tolerance;
+  tolerance.shift = std::max(share * std::sqrt(residual / leaves), kLeast * s.info.diagonal);
+  const double steps = kTilt * std::sqrt(radius / leaves) / tolerance.shift;
+  tolerance.normals = 127;
+  while (tolerance.normals < steps && tolerance.normals < (1u << 20))
+    tolerance.normals = 2 * tolerance.normals + 1;
+  tolerance.colored = s.hasColors();
+  return tolerance;
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> packingOrder(const SLIMSurface& s) {
   const auto cell = [](float x) {
     return static_cast<std::uint32_t>(std::clamp(x + 1.0f, 0.0f, 2.0f) * 0x1p20f);
@@ -93,29 +115,6 @@ std::vector<std::uint32_t> packingOrder(const SLIMSurface& s) {
   });
   return order;
 }
-
-/** What rounding may change, for a share of the RMS residual of the leaves. */
-Tolerance toleranceOf(const SLIMSurface& s, double share) {
-  constexpr double kLeast = 1e-9;  // of the diagonal: below float's resolution
-  constexpr double kTilt = 0.3;    // of a leaf's tolerance, on heights of a tenth of its radius
-  double residual = 0.0, radius = 0.0;
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    if (!s.isLeaf(i)) continue;
-    residual += double{s.error[i]} * s.error[i];
-    radius += double{s.radius[i]} * s.radius[i];
-  }
-  const auto leaves = static_cast<double>(std::max<std::size_t>(1, s.numLeaves()));
-  Tolerance tolerance;
-  tolerance.shift = std::max(share * std::sqrt(residual / leaves), kLeast * s.info.diagonal);
-  const double steps = kTilt * std::sqrt(radius / leaves) / tolerance.shift;
-  tolerance.normals = 127;
-  while (tolerance.normals < steps && tolerance.normals < (1u << 20))
-    tolerance.normals = 2 * tolerance.normals + 1;
-  tolerance.colored = s.hasColors();
-  return tolerance;
-}
-
-}  // namespace
 
 std::vector<unsigned char> packSurfels(const SLIMSurface& surface, double share) {
   const Tolerance tolerance = toleranceOf(surface, share);

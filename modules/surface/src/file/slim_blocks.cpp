@@ -155,7 +155,7 @@ Result<SLIMSurface> detail::decodeSlimBlocks(const unsigned char* bytes, std::si
   return surface;
 }
 
-Error SlimBlockWriter::open(const std::string& path, double rounding) {
+Error SlimBlockWriter::open(const std::string& path, const SlimRounding& rounding) {
   directory_ = {};
   rounding_ = rounding;
   if (Error error = file_.open(path)) return error;

@@ -18,6 +18,9 @@
 // Version 3: header; blocks; directory: offset, bytes, surfels, first and end key (8 each), box (6
 // floats) a block; its offset and the number of blocks (8 each).
 //
+// Version 6 is a surface with textures: header; version (4 bytes) and bytes (8) of the payload that
+// follows, one of version 4 or 5; greatest error of a colour (1 byte) and the textures, range coded.
+//
 // Version 5: header; tolerance (double, local units), steps of a normal's
 // coordinate (4 bytes), whether there are colours (1 byte), and the surfels, range coded.
 
@@ -100,7 +103,9 @@ constexpr std::uint32_t kSlimMapsVersion = 2;    ///< one surface with trim maps
 constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces
 constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
-constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface
+constexpr std::uint32_t kSlimRoundedVersion = 5;   ///< one rounded surface
+constexpr std::uint32_t kSlimTexturesVersion = 6;  ///< one surface with textures
+constexpr int kMostColorError = 32;                ///< of a texture's channel
 
 /** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0,
  * for sealSlim. */
@@ -127,6 +132,16 @@ Result<std::uint64_t> getSlimHeader(const unsigned char* bytes, SurfaceInfo& inf
 /** \brief The error of a file whose numbers contradict each other. */
 Error contradictorySlim();
 
+/** \brief Leaves before internal surfels, each along a Morton curve: the order of rounded files. */
+std::vector<std::uint32_t> packingOrder(const SLIMSurface& surface);
+
+/** \brief The textures of surfels in an order. \param[in] color_error greatest error of a channel */
+std::vector<unsigned char> packTextures(const SLIMSurface& surface,
+                                        const std::vector<std::uint32_t>& order, int color_error);
+
+/** \brief Gives the surfels of a surface, in its order, the textures that were packed. */
+Error unpackTextures(const unsigned char* bytes, std::size_t size, SLIMSurface& surface);
+
 /** \brief The surfels of a surface, rounded so that it moves by a share of the RMS residual of its
  * leaves.
  * \return nothing where a number is out of proportion to that; store such surfaces as floats. */
@@ -137,7 +152,7 @@ std::vector<unsigned char> packSurfels(const SLIMSurface& surface, double share)
 Error unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
                     SLIMSurface& surface);
 
-/** \brief The surface of a file of version 1, 2, 4 or 5, without links. */
+/** \brief The surface of a file of any version but 3, without links. */
 Result<SLIMSurface> decodeSlimBlock(const unsigned char* bytes, std::size_t size);
 
 /** \brief The surfels of all blocks of a file of version 3, without links. */

@@ -17,8 +17,8 @@
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
 // only the first where the flag byte's bit kPlaneOnly is set: the normal is the plane's own; then,
 // from version 2 on, the trim maps of those surfels whose flags announce one: side (1 byte) and
-// bits; then, in version 4, the bytes of all surfels' colours (surfel_color.h). Version 5 has a
-// rounded surface instead (file/slim_file.h).
+// bits; then, in version 4, the bytes of all surfels' colours (surfel_color.h). Versions 5 and 6 are
+// described in file/slim_file.h.
 
 namespace pcl_slim::detail {
 
@@ -26,7 +26,7 @@ namespace {
 
 // Like PNG's: catches files mangled as text, and is not valid text itself.
 constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a};
-constexpr std::uint32_t kNewest = kSlimRoundedVersion;
+constexpr std::uint32_t kNewest = kSlimTexturesVersion;
 constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
 
@@ -78,16 +78,6 @@ Error checkSlimFrame(const unsigned char* bytes, std::size_t size) {
     return badInput("the .slim file is corrupted: its checksum does not match; copy it again");
   }
   return {};
-}
-
-/** Whether a file that checkSlimFrame passed is of a version with trim maps. */
-bool holdsTrimMaps(const unsigned char* bytes) {
-  return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() > kSlimVersion;
-}
-
-/** Whether such a file is of the version with colours. */
-bool holdsColors(const unsigned char* bytes) {
-  return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() == kSlimColorsVersion;
 }
 
 }  // namespace
@@ -258,18 +248,18 @@ void forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8
   }
 }
 
-std::vector<unsigned char> encodeFloats(const SLIMSurface& surface) {
+/** What follows a file's header. */
+struct Payload {
+  std::uint32_t version = kSlimVersion;
+  std::vector<unsigned char> bytes;
+};
+
+Payload encodeFloats(const SLIMSurface& surface) {
   const std::vector<std::uint8_t> flags = fileFlags(surface);
   const auto counts = storedCoefficients(surface, flags);
   if (!counts) return {};
-  const std::uint64_t payload =
-      payloadBytes(*counts) + surface.trim_maps.size() + surface.colors.size();
   ByteWriter out;
-  out.bytes.reserve(kSlimHeaderBytes + payload);
-  const std::uint32_t version = surface.hasColors()     ? kSlimColorsVersion
-                                : surface.hasTrimMaps() ? kSlimMapsVersion
-                                                        : kSlimVersion;
-  putSlimHeader(surface.info, version, surface.size(), payload, out);
+  out.bytes.reserve(payloadBytes(*counts) + surface.trim_maps.size() + surface.colors.size());
   for (const auto* column : {&surface.degree, &surface.level, &flags}) out.putBytes(*column);
   for (const auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     out.putFloats(*column);
@@ -281,51 +271,35 @@ std::vector<unsigned char> encodeFloats(const SLIMSurface& surface) {
                      [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
   out.putBytes(surface.trim_maps);
   out.putBytes(surface.colors);
-  sealSlim(out.bytes);
-  return out.bytes;
+  return {surface.hasColors()     ? kSlimColorsVersion
+          : surface.hasTrimMaps() ? kSlimMapsVersion
+                                  : kSlimVersion,
+          std::move(out.bytes)};
 }
 
-Result<SLIMSurface> decodeRounded(const unsigned char* bytes, std::size_t size) {
-  SLIMSurface surface;
-  const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
-  if (!count) return count.error();
-  if (Error error =
-          unpackSurfels(bytes + kSlimHeaderBytes, size - kSlimHeaderBytes, *count, surface))
-    return error;
-  if (Error error = surface.validate()) return error;
-  return surface;
-}
-
-}  // namespace
-
-std::vector<unsigned char> encodeSlim(const SLIMSurface& surface, double rounding) {
-  if (!(rounding > 0.0) || surface.empty()) return encodeFloats(surface);
-  const std::vector<unsigned char> surfels = packSurfels(surface, rounding);
-  if (surfels.empty()) return encodeFloats(surface);
+/** A payload followed by the textures of the surfels in an order. */
+Payload withTextures(const Payload& surfels, const SLIMSurface& surface,
+                     const std::vector<std::uint32_t>& order, int color_error) {
   ByteWriter out;
-  putSlimHeader(surface.info, kSlimRoundedVersion, surface.size(), surfels.size(), out);
-  out.putBytes(surfels);
-  sealSlim(out.bytes);
-  return out.bytes;
+  out.putUnsigned(surfels.version);
+  out.putUnsigned(std::uint64_t{surfels.bytes.size()});
+  out.putBytes(surfels.bytes);
+  out.putBytes(packTextures(surface, order, color_error));
+  return {kSlimTexturesVersion, std::move(out.bytes)};
 }
 
-Result<SLIMSurface> detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size) {
-  if (Error error = checkSlimFrame(bytes, size)) return error;
-  if (slimVersionOf(bytes, size) == kSlimRoundedVersion) return decodeRounded(bytes, size);
-  SLIMSurface surface;
-  const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
-  if (!count) return count.error();
-  const std::uint64_t payload = size - kSlimHeaderBytes;
-  if (*count > payload / kFixedBytesPerSurfel) return contradictorySlim();
-
-  surface.resize(static_cast<std::size_t>(*count));
-  ByteReader in(bytes + kSlimHeaderBytes);
+/** The surfels of a payload of floats. */
+Error getFloats(std::uint32_t version, std::uint64_t count, const unsigned char* bytes,
+                std::uint64_t size, SLIMSurface& surface) {
+  if (count > size / kFixedBytesPerSurfel) return contradictorySlim();
+  surface.resize(static_cast<std::size_t>(count));
+  ByteReader in(bytes);
   for (auto* column : {&surface.degree, &surface.level, &surface.flags}) in.getBytes(*column);
   const auto counts = storedCoefficients(surface, surface.flags);
   const std::uint64_t columns = counts ? payloadBytes(*counts) : 0;
-  const std::uint64_t colors = holdsColors(bytes) ? *count * kColorBytes : 0;
-  if (!counts || columns + colors > payload) return contradictorySlim();
-  if (columns < payload && !holdsTrimMaps(bytes)) return contradictorySlim();
+  const std::uint64_t colors = version == kSlimColorsVersion ? count * kColorBytes : 0;
+  if (!counts || columns + colors > size) return contradictorySlim();
+  if (columns < size && version == kSlimVersion) return contradictorySlim();
   for (std::uint8_t& flags : surface.flags) flags &= static_cast<std::uint8_t>(~kPlaneOnly);
   for (auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     in.getFloats(*column);
@@ -335,10 +309,62 @@ Result<SLIMSurface> detail::decodeSlimBlock(const unsigned char* bytes, std::siz
   in.getFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
-  const std::uint64_t maps = payload - columns - colors;
-  if (Error error = getTrimMaps(bytes + kSlimHeaderBytes + columns, maps, surface)) return error;
+  const std::uint64_t maps = size - columns - colors;
+  if (Error error = getTrimMaps(bytes + columns, maps, surface)) return error;
   surface.colors.assign(bytes + size - colors, bytes + size);
+  return {};
+}
 
+/** The surfels of a payload of any version. */
+Error getSurfels(std::uint32_t version, std::uint64_t count, const unsigned char* bytes,
+                 std::uint64_t size, SLIMSurface& surface) {
+  constexpr std::uint64_t kHead = sizeof(std::uint32_t) + sizeof(std::uint64_t);
+  if (version == kSlimRoundedVersion)
+    return unpackSurfels(bytes, static_cast<std::size_t>(size), count, surface);
+  if (version != kSlimTexturesVersion) return getFloats(version, count, bytes, size, surface);
+  if (size < kHead) return contradictorySlim();
+  ByteReader in(bytes);
+  const auto inner = in.getUnsigned<std::uint32_t>();
+  const auto surfels = in.getUnsigned<std::uint64_t>();
+  if ((inner != kSlimColorsVersion && inner != kSlimRoundedVersion) || surfels > size - kHead)
+    return contradictorySlim();
+  if (Error error = getSurfels(inner, count, bytes + kHead, surfels, surface)) return error;
+  return unpackTextures(bytes + kHead + surfels, static_cast<std::size_t>(size - kHead - surfels),
+                        surface);
+}
+
+}  // namespace
+
+std::vector<unsigned char> encodeSlim(const SLIMSurface& surface, const SlimRounding& rounding) {
+  Payload payload;
+  std::vector<std::uint32_t> order;
+  if (rounding.share > 0.0 && !surface.empty())
+    payload = {kSlimRoundedVersion, packSurfels(surface, rounding.share)};
+  const bool rounded = !payload.bytes.empty();
+  if (!rounded) payload = encodeFloats(surface);
+  if (payload.bytes.empty() && !surface.empty()) return {};
+  if (surface.hasTextures()) {
+    std::vector<std::uint32_t> own(surface.size());
+    std::iota(own.begin(), own.end(), 0u);
+    payload =
+        withTextures(payload, surface, rounded ? packingOrder(surface) : own, rounding.color_error);
+  }
+  ByteWriter out;
+  out.bytes.reserve(kSlimHeaderBytes + payload.bytes.size());
+  putSlimHeader(surface.info, payload.version, surface.size(), payload.bytes.size(), out);
+  out.putBytes(payload.bytes);
+  sealSlim(out.bytes);
+  return out.bytes;
+}
+
+Result<SLIMSurface> detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size) {
+  if (Error error = checkSlimFrame(bytes, size)) return error;
+  SLIMSurface surface;
+  const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
+  if (!count) return count.error();
+  if (Error error = getSurfels(slimVersionOf(bytes, size), *count, bytes + kSlimHeaderBytes,
+                               size - kSlimHeaderBytes, surface))
+    return error;
   if (Error error = surface.validate()) return error;
   return surface;
 }
@@ -353,8 +379,10 @@ Result<SLIMSurface> decodeSlim(const unsigned char* bytes, std::size_t size) {
   return surface;
 }
 
-Error saveSlim(const std::string& path, const SLIMSurface& surface, double rounding) {
+Error saveSlim(const std::string& path, const SLIMSurface& surface, const SlimRounding& rounding) {
   if (Error error = surface.validate()) return error;
+  if (rounding.color_error < 0 || rounding.color_error > kMostColorError)
+    return {ErrorCode::kBadArgument, "the error of colours must be 0 to 32 of 255"};
   const std::vector<unsigned char> bytes = encodeSlim(surface, rounding);
   return writeFile(path, bytes.data(), bytes.size());
 }

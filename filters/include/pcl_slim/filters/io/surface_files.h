@@ -25,11 +25,11 @@ namespace pcl_slim {
  *
  * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields
  * (toPointTable). Loading and saving again gives the same bytes in every format, unless
- * they are rounded.
+ * they are rounded. Textures are kept in .slim alone: elsewhere surfels have their polynomials.
  * \param[in] rounding of a .slim, as that of saveSlim; with another format one above 0 is an error
  */
 PCL_SLIM_EXPORT Error saveSurface(const std::string& path, const SLIMSurface& surface,
-                                  double rounding = 0.0);
+                                  const SlimRounding& rounding = {});
 
 /** \brief Writes a surface in blocks for ParaView, a block after another: NAME.pvtp is an index,
  * the folder NAME next to it has NAME_0.vtp, NAME_1.vtp ..., one a block, each as saveSurface()

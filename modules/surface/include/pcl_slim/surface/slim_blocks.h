@@ -13,6 +13,7 @@
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {
 
@@ -53,7 +54,7 @@ struct PCL_SLIM_EXPORT SlimDirectory {
 class PCL_SLIM_EXPORT SlimBlockWriter {
  public:
   /** \param[in] rounding as that of saveSlim, for each tile */
-  Error open(const std::string& path, double rounding = 0.0);
+  Error open(const std::string& path, const SlimRounding& rounding = {});
   /** \brief Appends the surfels of a tile; all tiles have the same units and degree. Tiles without
    * surfels leave no block. \return an error where the surface is not valid or cannot be written.
    */
@@ -66,7 +67,7 @@ class PCL_SLIM_EXPORT SlimBlockWriter {
  private:
   FileWriter file_;
   SlimDirectory directory_;
-  double rounding_ = 0.0;
+  SlimRounding rounding_;
 };
 
 /** \brief Reads the directory of a file of format version 3; nothing of its blocks. */

@@ -23,6 +23,14 @@ enum SurfelFlag : std::uint8_t {
   kSurfelOpen = 4,            ///< data end, or leave a hole, inside its ball: it has a trim map
 };
 
+/** \brief The textures of a surface's leaves. */
+struct TextureStatistics {
+  std::uint64_t leaves = 0;   ///< that have one
+  std::uint64_t texels = 0;   ///< of these
+  std::uint64_t limited = 0;  ///< as fine as a texture can be: their points may be denser
+  double finest = 0;          ///< width of the smallest texels, world units; 0: there are none
+};
+
 /** \brief How a surface was made, and the units it is stored in. */
 struct SurfaceInfo {
   int degree = 4;  ///< highest polynomial degree, 1..4
@@ -117,6 +125,9 @@ class PCL_SLIM_EXPORT SLIMSurface {
     const std::uint8_t* map = textures.data() + texture_begin[i];
     return {map[0], map + 1};
   }
+
+  /** \brief Counts the textures. O(surfels). */
+  TextureStatistics textureStatistics() const;
 
   /** \brief Removes every surfel and link; keeps info. */
   void clear();

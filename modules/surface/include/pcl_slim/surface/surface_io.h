@@ -10,6 +10,17 @@
 
 namespace pcl_slim {
 
+/** \brief What a .slim file may change of a surface. */
+struct SlimRounding {
+  double share =
+      0.0;  ///< RMS distance that leaves may move [RMS residual of all]; 0: floats are kept
+  int color_error = 0;  ///< greatest change of a texture's channel, 0 ... 32 of 255
+
+  SlimRounding() = default;
+  /** \brief Of a share alone: textures are kept. */
+  SlimRounding(double of_leaves, int of_colors = 0) : share(of_leaves), color_error(of_colors) {}
+};
+
 /** \brief Writes the compact binary form: header, version, checksum, and 7, 12, 16 or 21 floats a
  * surfel of degree 1 to 4.
  *
@@ -25,12 +36,12 @@ namespace pcl_slim {
  * Rounded files, of version 5, are about a sixth as large: coefficients are those of polynomials
  * that are orthonormal under the blend's weight, in steps that move the surface alike, and all
  * numbers are entropy coded relative to those of the nearest surfel before.
- * \param[in] rounding RMS distance by which rounding may move each leaf [RMS residual of all
- * leaves]; 0: the floats are kept. .1 adds about 1 % to the residual. A surface with numbers out of
- * all proportion is stored as floats.
+ * A share of .1 adds about 1 % to the residual. A surface with numbers out of all proportion is
+ * stored as floats. Surfaces with textures are of version 6: these are predicted from texel to texel
+ * and entropy coded.
  */
 PCL_SLIM_EXPORT Error saveSlim(const std::string& path, const SLIMSurface& surface,
-                               double rounding = 0.0);
+                               const SlimRounding& rounding = {});
 
 /** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again
  * gives the same bytes if nothing is rounded.
@@ -42,7 +53,7 @@ PCL_SLIM_EXPORT Result<SLIMSurface> loadSlim(const std::string& path);
 /** \brief The bytes of saveSlim, for tests and for sending elsewhere. The surface must pass
  * validate(); one with a degree out of range gives no bytes. */
 PCL_SLIM_EXPORT std::vector<unsigned char> encodeSlim(const SLIMSurface& surface,
-                                                      double rounding = 0.0);
+                                                      const SlimRounding& rounding = {});
 
 /** \brief Whether bytes begin as those of a .slim file do. */
 PCL_SLIM_EXPORT bool isSlim(const unsigned char* bytes, std::size_t size);

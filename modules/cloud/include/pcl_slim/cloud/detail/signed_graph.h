@@ -71,7 +71,7 @@ PCL_SLIM_EXPORT std::vector<signed char> signsOutward(const std::vector<SidePatc
                                                       const std::vector<SignedEdge>& edges);
 
 /** \brief Pairs of near patches with opposite given normals beside each other. */
-struct Opposition {
+struct PCL_SLIM_EXPORT Opposition {
   double level = 0;   ///< in one plane
   double ahead = 0;   ///< ahead of each other, as across a gap
   double behind = 0;  ///< behind each other, as on a thin part
