@@ -91,5 +91,15 @@ TEST(ColoredPage, AnswersClicksWithTheColour) {
   }
 }
 
+TEST(ColoredPage, HasTexturesForSmallCards) {
+  if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
+  SLIMSurface surface = coloredSurface(Shape::kBumpy, 3, true, false);
+  pcl_slim_test::setTexturesOf(surface, 24, [](const std::array<double, 3>& p) {
+    return pcl_slim_test::waveColor({8.0 * p[0], 8.0 * p[1], 2.0 * p[2]});
+  });
+  const PageFile page(surface, frontCamera(kWidth, kHeight), unlit(), unrounded());
+  EXPECT_EQ(runScript("textures.mjs", page.path()), "");
+}
+
 }  // namespace
 }  // namespace pcl_slim
