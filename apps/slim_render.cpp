@@ -231,6 +231,7 @@ Error writePage(const Settings& s, const Model& model, const ChosenView& view, C
   params.title = PageRequest::titleOf(s.input);
   params.up = view.up;
   params.precision = s.page.precision;
+  params.color_error = s.page.color_error;
   params.lines = s.lines.inSpace();
   const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   const auto page = model.is_splats

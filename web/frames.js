@@ -134,6 +134,9 @@ export class Frames {
 
   program(name) { return this.programs[name] ||= new Program(this.gl, this.later[name]); }
 
+  /** Most texels that a data texture has room for. */
+  mostTexels() { return ROW * this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE); }
+
   dataTexture(data, channels, internal, format, type) {
     const gl = this.gl, texture = gl.createTexture(), rows = Math.max(1, Math.ceil(data.length / channels / ROW));
     const padded = new data.constructor(rows * ROW * channels);

@@ -2,6 +2,7 @@
 // What a ray meets of a surface, in double: modules/render/src/tiles/leaf_on_ray.cpp, leaf by leaf.
 import {within} from './box.js';
 import {COLOR_TERMS, frameOf} from './surface.js';
+import {textureColor, textureWeight} from './textures.js';
 import {along, cross, dot, length, scaled, unit} from './vectors.js';
 
 const value = (a, x) => a.reduceRight((sum, c) => sum * x + c, 0);
@@ -169,6 +170,15 @@ function principal(g, h) {
   return [mean + spread, mean - spread];
 }
 
+/** The colour of a leaf at a place of its plane: its texture's within the reach of these, its polynomial's elsewhere. */
+function leafColor(s, rules, i, u, v, square) {
+  const reach = rules.kTextureReach;
+  if (s.textures?.side[i] && square < reach * reach) return textureColor(s.textures, i, u / reach, v / reach);
+  const terms = s.colors.subarray(COLOR_TERMS * i, COLOR_TERMS * (i + 1)), powers = [1, u, v, u * u, u * v, v * v];
+  const color = [0, 1, 2].map(c => powers.reduce((value, power, k) => value + power * terms[3 * k + c], 0));
+  return color.map(c => Math.max(0, Math.min(255, c)));
+}
+
 /** Red, green and blue, 0 ... 255, at a point with the normal of its side: modules/query/src/probe. */
 function colorAt(s, rules, point, normal) {
   let all = 0, sum = [0, 0, 0];
@@ -178,11 +188,10 @@ function colorAt(s, rules, point, normal) {
     const frame = frameOf(s, i), [u, v] = frame.map(axis => dot(q, axis));
     const isOwn = Math.abs(alongRay(s, i, frame, q, frame[2])[0]) <= rules.kColorGate &&
       (!s.oriented || dot(normal, frame[2]) > 0);
-    const weight = (isOwn ? 1 : rules.kOtherSheet) * s.weight[i] * kernel(s.kernel, square);
-    const terms = s.colors.subarray(COLOR_TERMS * i, COLOR_TERMS * (i + 1)), powers = [1, u, v, u * u, u * v, v * v];
-    const color = [0, 1, 2].map(c => powers.reduce((value, power, k) => value + power * terms[3 * k + c], 0));
+    const blend = kernel(s.kernel, square), own = s.textures ? textureWeight(rules, square, blend) : blend;
+    const weight = (isOwn ? 1 : rules.kOtherSheet) * s.weight[i] * own;
     all += weight;
-    sum = along(sum, weight, color.map(c => Math.max(0, Math.min(255, c))));
+    sum = along(sum, weight, leafColor(s, rules, i, u, v, square));
   }
   return all > 0 ? scaled(sum, 1 / all) : [255, 255, 255];
 }

@@ -4,6 +4,7 @@
 import {Frames, NOTHING} from './frames.js';
 import {surfacePrograms} from './shaders.js';
 import {MOST_SIDE, texels} from './surface.js';
+import {withinTexels} from './textures.js';
 
 export class SurfaceFrames extends Frames {
   /** rules: the page's constants with front, trim and near. */
@@ -13,12 +14,14 @@ export class SurfaceFrames extends Frames {
     super(gl, surface, 2 ** Math.round(Math.log2(radii[radii.length >> 1] || 1)), page, gl.RG32F);
     Object.assign(this, {surface, rules});
     this.reach = Math.min(rules.kMaxShrink, Math.max(0.05, surface.coverRadius));
-    const packed = texels(surface, rules, this.unit);
+    const textures = surface.textures && withinTexels(surface.textures, this.mostTexels());
+    const packed = texels(surface, rules, this.unit, textures);
     [this.perLeaf, this.colorAt] = [packed.perLeaf, packed.colorAt];
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
+    if (textures) this.textures = this.dataTexture(textures.rgb, 3, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE);
     this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
-    const {box, ...programs} = surfacePrograms(page.constants);
+    const {box, ...programs} = surfacePrograms(page.constants, !!textures);
     this.compile(programs, {box});
     this.query = gl.createQuery();
   }
@@ -117,7 +120,8 @@ export class SurfaceFrames extends Frames {
     gl.depthMask(false);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
-    this.drawHulls('paint', 1, 0, {slimShown: t.geometry}, {slimMargin: this.rules.kColorGate, slimFrontOnly: 0});
+    const textures = this.textures && {slimTextures: this.textures};
+    this.drawHulls('paint', 1, 0, {slimShown: t.geometry, ...textures}, {slimMargin: this.rules.kColorGate, slimFrontOnly: 0});
     gl.disable(gl.BLEND);
     this.isPainted = true;
     return painted;

@@ -238,8 +238,14 @@ void main()
 }
 `;
 
+/** How shaders read textures of surfels here. */
+const TEXTURES = `
+uniform sampler2D slimTextures;
+vec3 slimTextureTexel(int at) { return 255.0 * texelFetch(slimTextures, ivec2(at & 2047, at >> 11), 0).rgb; }
+`;
+
 /** The programs of a surface: [vertex shader, fragment shader] by name. */
-export function surfacePrograms(constants) {
+export function surfacePrograms(constants, textured = false) {
   const head = HEAD(constants), es = text => text.replace(/gl_FragData\[(\d)\]/g, 'slimOut[$1]');
   const camera = SHARED.kCameraGlsl, vertexCamera = camera.slice(0, camera.indexOf('vec2 slimSlopes'));
   const hull = head + vertexCamera + SHARED.kSurfel + HULL_VERTEX, frame = head + FRAME_VERTEX;
@@ -250,7 +256,8 @@ export function surfacePrograms(constants) {
     first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
     blend: [hull, ofLeaves(5, SHARED.kBlended, SHARED.kTrims, SHARED.kBlendPass)],
     name: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kLeafPass)],
-    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColors, SHARED.kPlainColors, SHARED.kColorPass)],
+    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColors, textured ? TEXTURES + SHARED.kTextureColors : SHARED.kPlainColors,
+                           SHARED.kColorPass)],
     depths: [frame, head + MET_DEPTH],
     result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],

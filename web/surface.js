@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface as modules/web packs it: its columns, and the texels that shaders read.
 import {centerOf} from './box.js';
+import {readTextures} from './textures.js';
 import {length, minus} from './vectors.js';
 
 const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02, COLOR_STEP = 2;
@@ -29,6 +30,10 @@ export class Planes {
     }
     return column;
   }
+  raw(count) {
+    if (this.at + count > this.bytes.length) throw new Error('cut');
+    return this.bytes.subarray(this.at, this.at += count);
+  }
   number() { return this.get(1, 4)[0]; }
   double() { return new Float64Array(Uint32Array.of(this.number(), this.number()).buffer)[0]; }
   doubles(count) { return Array.from({length: count}, () => this.double()); }
@@ -55,7 +60,7 @@ export function octNormal(a, b) {
 function readHeader(planes) {
   if (planes.number() !== 0x32504c53) throw new Error('foreign');
   const s = {count: planes.number(), leaves: planes.number()};
-  [s.degree, s.kernel, s.oriented, s.paper, s.colored] = planes.get(5, 1);
+  [s.degree, s.kernel, s.oriented, s.paper, s.colored] = planes.get(5, 1);  // colored 2: with textures
   s.origin = planes.doubles(3);
   [s.scale, s.diagonal, s.lambda, s.coverRadius, s.coverThreshold, s.precision] = planes.doubles(6);
   s.corner = planes.doubles(3);
@@ -116,7 +121,7 @@ export function decode(bytes) {
     s.normal.set(exact ? codes.map(c => c[i]) : octNormal(codes[0][i], codes[1][i]), 3 * i);
   }
   const logarithms = (k, size) => exact ? planes.floats(n) : planes.logarithms(n, s.logs[k], size);
-  s.radius = logarithms(0);
+  s.radius = logarithms(0, s.colored > 1 ? 2 : 1);
   s.error = logarithms(1, 2);
   s.level = planes.get(n, 1);
   planes.get(n, 1);  // degrees: unused coefficients are 0
@@ -125,6 +130,7 @@ export function decode(bytes) {
   readCoefficients(s, planes);
   readTrimMaps(s, planes);
   if (s.colored) readColors(s, planes);
+  if (s.colored > 1) readTextures(s, planes, COLOR_TERMS);
   if (planes.at !== bytes.length) throw new Error('foreign');
   s.weight = s.radius.map((r, i) => {
     const expected = Math.max(0, s.lambda) * s.diagonal ** 2 + 1e-6 * r * r;
@@ -188,11 +194,11 @@ function trimWords(map, side) {
   return words;
 }
 
-export const MOST_SIDE = 128, TRIM_UNIT = 4096;
+export const MOST_SIDE = 128, TRIM_UNIT = 4096, TEXTURE_UNIT = 65536;
 
-/** A surface as the shaders of visualization/src/opengl read it, lengths in `unit`: texels of four numbers,
- * words of trim tables, and four bounds of heights and a slope for each surfel's hull. */
-export function texels(s, rules, unit) {
+/** A surface as the shaders of visualization/src/glsl read it, lengths in `unit`: texels of four numbers,
+ * words of trim tables, and four bounds of heights and a slope for each surfel's hull. textures: those drawn. */
+export function texels(s, rules, unit, textures) {
   const colorAt = 4 + Math.ceil(s.stride / 4), perLeaf = colorAt + (s.colored ? Math.ceil(COLOR_TERMS / 4) : 0), data = new Float32Array(4 * perLeaf * s.count);
   const hulls = new Float32Array(5 * s.count), words = [];
   const reach = Math.min(rules.kMaxShrink, Math.max(0.05, s.coverRadius)), inner = rules.kMaxShrink / reach;
@@ -209,6 +215,10 @@ export function texels(s, rules, unit) {
     if (s.colored) {
       const terms = s.colors.subarray(COLOR_TERMS * i, COLOR_TERMS * (i + 1));
       data.set(terms.map((v, k) => v * scale ** (k < 3 ? 0 : k < 9 ? 1 : 2)), 4 * (perLeaf * i + colorAt));
+      if (textures) {
+        const first = textures.begin[i], place = [Math.floor(first / TEXTURE_UNIT), first % TEXTURE_UNIT * 256 + textures.side[i]];
+        data.set(place, 4 * (perLeaf * i + colorAt) + COLOR_TERMS);
+      }
     }
     hulls.set([...bounds(c, reach), ...bounds(c, 1), steepest(c)], 5 * i);
   }

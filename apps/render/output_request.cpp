@@ -128,6 +128,8 @@ Error refused(const std::string& option, const std::string& why) {
 void PageRequest::declare(OptionTable& table) {
   table.number("precision", &precision, 0.0, 65536.0,
                "of a page: steps of a coefficient per radius, 16 or more; 0: nothing is rounded");
+  table.integer("color_error", &color_error, 0, 32,
+                "of a page: greatest change of a texture's red, green or blue, of 255; 0: none");
 }
 
 bool PageRequest::isPage(const std::string& output) {
@@ -138,9 +140,12 @@ bool PageRequest::isPage(const std::string& output) {
 Error PageRequest::check(const OptionTable& table, const std::string& output,
                          const std::string& mode) {
   if (!isPage(output)) {
-    return table.given("precision")
-               ? refused("-precision", "is for pages: name an output that ends in .html")
-               : Error{};
+    for (const char* name : {"precision", "color_error"}) {
+      if (table.given(name)) {
+        return refused("-" + std::string(name), "is for pages: name an output that ends in .html");
+      }
+    }
+    return {};
   }
   for (const char* name : {"size", "bar", "turntable", "region", "aa", "lines", "line_width",
                            "line_curvature", "line_slope", "line_length", "lights", "filtered"}) {

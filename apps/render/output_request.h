@@ -53,8 +53,9 @@ struct LineRequest {
 /** \brief A page in place of a picture, as given on the command line. */
 struct PageRequest {
   double precision = PageParams().precision;
+  int color_error = PageParams().color_error;
 
-  /** \brief Adds -precision. */
+  /** \brief Adds -precision and -color_error. */
   void declare(OptionTable& table);
 
   /** \brief Whether an output is a page, by its extension. */

@@ -223,6 +223,8 @@ for mode in raytraced sketch crest contours; do
 done
 expect 2 'ends in .html' pcl_slim_render surface.slim none.png -precision 640
 expect 2 'precision' pcl_slim_render surface.slim none.html -precision 3
+expect 2 'ends in .html' pcl_slim_render surface.slim none.png -color_error 2
+expect 2 'color_error' pcl_slim_render surface.slim none.html -color_error 33
 expect 1 'no/such' pcl_slim_render surface.slim no/such/page.html
 absent none.html none.png
 

@@ -53,4 +53,28 @@ inline void setRandomTextures(pcl_slim::SLIMSurface& surface) {
   surface.setTextures(sides, texels);
 }
 
+/** Textures of all surfels, side x side texels of a colour of space, at the points of their surfaces.
+ * \param[in] color std::array<double, 3>(std::array<double, 3>), local units to 0..255 */
+template <typename Color>
+void setTexturesOf(pcl_slim::SLIMSurface& surface, int side, const Color& color) {
+  constexpr double kReach = pcl_slim::SurfelTexture::kReach;
+  std::vector<std::uint8_t> texels;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const pcl_slim::LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
+    const double center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+    for (int k = 0; k < side * side; ++k) {
+      const double u = kReach * ((2 * (k % side) + 1.0) / side - 1.0);
+      const double v = kReach * ((2 * (k / side) + 1.0) / side - 1.0);
+      const double h = pcl_slim::evaluateHeight(surface.degree[i], surface.coefficientsOf(i), u, v);
+      std::array<double, 3> p;
+      for (std::size_t a = 0; a < 3; ++a)
+        p[a] = center[a] + surface.radius[i] * (u * frame.u[a] + v * frame.v[a] + h * frame.w[a]);
+      for (const double value : color(p))
+        texels.push_back(static_cast<std::uint8_t>(std::lround(value)));
+    }
+  }
+  surface.setTextures(std::vector<std::uint8_t>(surface.size(), static_cast<std::uint8_t>(side)),
+                      texels);
+}
+
 }  // namespace pcl_slim_test

@@ -2,6 +2,9 @@
 // Colours of surfaces in pages beside the renderer's.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <tuple>
+
 #include "pcl_slim/render/auto_view.h"
 #include "support/colors.h"
 #include "support/lab/reference/reference_renderer.h"
@@ -14,20 +17,40 @@ namespace {
 using namespace test;
 using measure::Shape;
 
+/** \brief A surface with random colours of each leaf, and random textures if asked for. */
+SLIMSurface coloredSurface(Shape shape, int degree, bool oriented, bool textured) {
+  SLIMSurface surface = fittedSurface(shape, degree, oriented);
+  pcl_slim_test::setRandomColors(surface);
+  if (textured) pcl_slim_test::setRandomTextures(surface);
+  return surface;
+}
+
+PageParams unrounded() {
+  PageParams params;
+  params.precision = 0.0;
+  params.color_error = 0;
+  return params;
+}
+
+ShadingParams unlit() {
+  ShadingParams shading;
+  shading.mode = ShadingMode::kColor;
+  shading.lighting = false;
+  shading.supersampling = 1;
+  return shading;
+}
+
 TEST(ColoredPage, DrawsTheSurfacesColours) {
   const std::string why = whyNoBrowser();
   if (!why.empty()) GTEST_SKIP() << why;
-  for (const bool exact : {true, false}) {
-    SLIMSurface surface =
-        exact ? fittedSurface(Shape::kBumpy, 4, true) : fittedSurface(Shape::kRelief, 1, false);
-    pcl_slim_test::setRandomColors(surface);
+  for (const auto& [exact, textured] : {std::tuple{true, false}, std::tuple{false, false},
+                                        std::tuple{true, true}, std::tuple{false, true}}) {
+    const SLIMSurface surface = exact ? coloredSurface(Shape::kBumpy, 4, true, textured)
+                                      : coloredSurface(Shape::kRelief, 1, false, textured);
     const Camera camera =
         fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {kWidth, kHeight});
-    const PageFile page(surface, camera, 0.0, 0.0, {}, ShadingMode::kColor);
-    ShadingParams shading;
-    shading.mode = ShadingMode::kColor;
-    shading.lighting = false;
-    shading.supersampling = 1;
+    const ShadingParams shading = unlit();
+    const PageFile page(surface, camera, shading, unrounded());
     RenderParams rendering;
     rendering.columns = columnsFor(shading);
     GBuffer truth;
@@ -37,7 +60,7 @@ TEST(ColoredPage, DrawsTheSurfacesColours) {
     const PageFrame frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, 0.0,
                                      {"color", "shaded", "color"}, exact);
     ASSERT_EQ(frame.pictures.size(), 3u);
-    EXPECT_LT(shareOff(frame.pictures[0], *picture), exact ? 2e-3 : 6e-3);
+    EXPECT_LT(shareOff(frame.pictures[0], *picture), exact ? 2e-3 : 6e-3) << textured;
     EXPECT_GT(shareOff(frame.pictures[1], *picture), 0.2);
     EXPECT_EQ(frame.pictures[0], frame.pictures[2]);
   }
@@ -45,12 +68,12 @@ TEST(ColoredPage, DrawsTheSurfacesColours) {
 
 TEST(ColoredPage, AnswersClicksWithTheColour) {
   if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
-  for (const bool oriented : {true, false}) {
-    SLIMSurface surface = fittedSurface(Shape::kBumpy, 3, oriented);
-    pcl_slim_test::setRandomColors(surface);
+  for (const auto& [oriented, textured] :
+       {std::tuple{true, false}, std::tuple{false, false}, std::tuple{true, true}}) {
+    const SLIMSurface surface = coloredSurface(Shape::kBumpy, 3, oriented, textured);
     const Camera camera =
         fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {48, 36});
-    const PageFile page(surface, camera, 0.0, 0.0, {}, ShadingMode::kColor);
+    const PageFile page(surface, camera, unlit(), unrounded());
     const PageFrame frame = drawPage("cast.mjs", page.path(), surface, {48, 36}, 0.0, {"color"});
     GBuffer truth;
     RenderParams rendering;
@@ -64,8 +87,18 @@ TEST(ColoredPage, AnswersClicksWithTheColour) {
         off += std::abs(frame.pictures[0][4 * i + c] - 255.0 * truth.color[i][c]) > 0.6;
     }
     EXPECT_GT(seen, 300u);
-    EXPECT_EQ(off, 0u) << oriented;
+    EXPECT_EQ(off, 0u) << oriented << textured;
   }
+}
+
+TEST(ColoredPage, HasTexturesForSmallCards) {
+  if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
+  SLIMSurface surface = coloredSurface(Shape::kBumpy, 3, true, false);
+  pcl_slim_test::setTexturesOf(surface, 24, [](const std::array<double, 3>& p) {
+    return pcl_slim_test::waveColor({8.0 * p[0], 8.0 * p[1], 2.0 * p[2]});
+  });
+  const PageFile page(surface, frontCamera(kWidth, kHeight), unlit(), unrounded());
+  EXPECT_EQ(runScript("textures.mjs", page.path()), "");
 }
 
 }  // namespace

@@ -126,6 +126,8 @@ std::string constants() {
   json.member("kMaxLayers", JsonText::number(kMaxLayers));
   json.member("kColorGate", JsonText::number(kColorGate));
   json.member("kOtherSheet", JsonText::number(kOtherSheet));
+  json.member("kTextureReach", JsonText::number(SurfelTexture::kReach));
+  json.member("kTextureOuterWeight", JsonText::number(SurfelTexture::kOuterWeight));
   return json.object();
 }
 
@@ -248,7 +250,7 @@ Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
     return Error{ErrorCode::kBadArgument,
                  "a page shows a whole surface with blended derivatives; leave out cuts"};
   }
-  auto data = encodeWebSurface(surface, params.precision);
+  auto data = encodeWebSurface(surface, params.precision, params.color_error);
   if (!data) return data.error();
   auto lines = packLines(params.lines, surface.info.origin, surface.info.scale);
   if (!lines) return lines.error();

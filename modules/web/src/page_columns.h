@@ -167,11 +167,20 @@ class CenterCells {
 struct WebHeader {
   std::uint32_t surfels = 0, leaves = 0;
   SurfaceInfo info;
-  bool colored = false;
+  bool colored = false, textured = false;
   double precision = 0.0;                          ///< steps of a coefficient per radius; 0: floats
   double corner[3] = {0.0, 0.0, 0.0}, step = 1.0;  ///< of the grid of centres
   LogScale radius, size;
   LogScale error{2, 4094.0, 1.0, 1.0};  ///< weights follow from it
+
+  /** \brief Balls with textures have radii of 12 bits: 8 would move texels. */
+  void setColors(bool has_colors, bool has_textures) {
+    colored = has_colors;
+    textured = has_textures;
+    if (textured) radius = {2, 4094.0, radius.low, radius.ratio};
+  }
+  /** \brief 0: no colours, 1: polynomials, 2: textures as well. */
+  std::uint32_t codeOfColors() const { return textured ? 2 : colored ? 1 : 0; }
 
   /** \brief Calls visit(double&) for the columns' numbers in their order. */
   template <typename Visit>

@@ -2,6 +2,7 @@
 #include "pcl_slim/web/web_surface.h"
 
 #include "page_columns.h"
+#include "page_textures.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/detail/new_frame.h"
 #include "pcl_slim/surface/oct_normal.h"
@@ -15,13 +16,16 @@ namespace {
 /** \brief The surfels of a surface in a page's order, column by column. */
 class Packer {
  public:
-  Packer(const SLIMSurface& surface, double precision)
-      : s_(surface), sizes_(surface), cells_({&surface.cx, &surface.cy, &surface.cz}) {
+  Packer(const SLIMSurface& surface, double precision, int color_error)
+      : s_(surface),
+        color_error_(color_error),
+        sizes_(surface),
+        cells_({&surface.cx, &surface.cy, &surface.cz}) {
     header_.surfels = static_cast<std::uint32_t>(s_.size());
     header_.leaves = static_cast<std::uint32_t>(s_.numLeaves());
     header_.info = s_.info;
     header_.precision = precision;
-    header_.colored = s_.hasColors();
+    header_.setColors(s_.hasColors(), s_.hasTextures());
     std::copy(cells_.corner, cells_.corner + 3, header_.corner);
     header_.step = cells_.step;
     header_.radius.cover(s_.radius);
@@ -41,6 +45,7 @@ class Packer {
     putCoefficients();
     putTrimMaps();
     if (header_.colored) putColors();
+    if (header_.textured) putTextures();
     return std::move(out_.data);
   }
 
@@ -53,7 +58,7 @@ class Packer {
     out_.put(
         {static_cast<std::uint32_t>(info.degree), static_cast<std::uint32_t>(info.blend_kernel),
          static_cast<std::uint32_t>(info.hasFront()), static_cast<std::uint32_t>(info.paper_mode),
-         static_cast<std::uint32_t>(header_.colored)},
+         header_.codeOfColors()},
         1);
     header_.visitNumbers([&](double number) { out_.putDouble(number); });
   }
@@ -176,7 +181,7 @@ class Packer {
 
   /** \brief Red and blue as their differences from green, which compress better. */
   void putColors() {
-    std::vector<std::uint8_t> colors = s_.colors;
+    std::vector<std::uint8_t>& colors = colors_ = s_.colors;
     for (const std::uint32_t i : order_) {
       if (exact()) break;
       recolorInNewFrame(ballOf(i), roundedBall(i), colors.data() + i * kColorBytes);
@@ -190,7 +195,20 @@ class Packer {
     }
   }
 
+  /** \brief Rounding balls and frames moves texels by less than a tenth of their width. Each texture
+   * begins with the constant term of its surfel's colour. */
+  void putTextures() {
+    TexturePacker packer(color_error_);
+    for (const std::uint32_t i : order_) {
+      const SurfelTexture texture = s_.texture(i);
+      packer.add(texture.side, texture.rgb, colors_.data() + i * kColorBytes);
+    }
+    packer.write(out_);
+  }
+
   const SLIMSurface& s_;
+  int color_error_;
+  std::vector<std::uint8_t> colors_;  ///< in the rounded frames
   DetailSizes sizes_;
   CenterCells cells_;
   WebHeader header_;
@@ -200,12 +218,16 @@ class Packer {
 
 }  // namespace
 
-Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface, double precision) {
+Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface, double precision,
+                                                    int color_error) {
   if (precision != 0.0 && !(precision >= 16.0 && precision <= 65536.0)) {
     return Error{ErrorCode::kBadArgument, "the precision must be 0 or 16 to 65536 steps"};
   }
+  if (color_error < 0 || color_error > kMostColorError) {
+    return Error{ErrorCode::kBadArgument, "the error of colours must be 0 to 32 of 255"};
+  }
   if (Error error = surface.validate()) return error;
-  return gzip(Packer(surface, precision).pack());
+  return gzip(Packer(surface, precision, color_error).pack());
 }
 
 }  // namespace pcl_slim

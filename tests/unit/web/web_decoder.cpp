@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include "page_columns.h"
+#include "page_textures.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/oct_normal.h"
 #include "pcl_slim/surface/surfel_color.h"
@@ -106,6 +107,7 @@ class Unpacker {
     getCoefficients();
     getTrimMaps();
     if (header_.colored) getColors();
+    if (header_.textured) getTextures();
     if (in_.failed() || in_.left() > 0 || s.validate()) return damaged;
     return std::move(web_);
   }
@@ -123,7 +125,7 @@ class Unpacker {
     info.blend_kernel = static_cast<WeightKernel>(small[1]);
     info.oriented = small[2] != 0;
     info.paper_mode = small[3] != 0;
-    header_.colored = small[4] != 0;
+    header_.setColors(small[4] > 0, small[4] > 1);
     header_.visitNumbers([&](double& number) { number = in_.getDouble(); });
     return !in_.failed() && header_.leaves <= header_.surfels && info.degree >= 1 &&
            info.degree <= kMaxDegree;
@@ -253,7 +255,48 @@ class Unpacker {
     }
   }
 
+  void getTextures() {
+    const auto error = in_.get(1, 1), sides = in_.get(n_, 1), counts = in_.get(kTexelPlanes, 4);
+    if (in_.failed()) return;
+    color_error_ = static_cast<int>(error[0]);
+    for (auto& channel : planes_) {
+      for (std::size_t k = 0; k < kTexelPlanes; ++k) channel[k] = {in_.get(counts[k], 1), 0};
+    }
+    if (in_.failed()) return;
+    std::vector<std::uint8_t> texels;
+    for (std::size_t i = 0; i < n_; ++i)
+      addTexture(static_cast<int>(sides[i]), &web_.surface.colors[i * kColorBytes], texels);
+    web_.surface.setTextures({sides.begin(), sides.end()}, texels);
+  }
+
+  void addTexture(int side, const std::uint8_t* first, std::vector<std::uint8_t>& texels) {
+    const int step = 2 * color_error_ + 1;
+    std::array<int, 3> steps;
+    for (std::size_t c = 0; c < 3; ++c) steps[c] = (first[c] + color_error_) / step;
+    const LumaTexel begin = LumaTexel::of(steps);
+    std::vector<LumaTexel> read(static_cast<std::size_t>(side * side));
+    for (int row = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column) {
+        const TexelContext context = contextOf(read, side, column, row, begin);
+        LumaTexel& texel = read[static_cast<std::size_t>(row * side + column)];
+        texel = context.predicted;
+        for (std::size_t c = 0; c < 3 && context.stored; ++c) {
+          auto& [plane, at] = planes_[c][context.plane];
+          const auto residual = static_cast<std::uint8_t>(at < plane.size() ? plane[at] : 0);
+          ++at;
+          texel.value[c] = static_cast<std::uint8_t>(texel.value[c] + residual);
+          texel.size += std::abs(static_cast<std::int8_t>(residual));
+        }
+        for (const int value : texel.rgb())
+          texels.push_back(static_cast<std::uint8_t>(std::min(255, value * step)));
+      }
+    }
+  }
+
   PlaneReader in_;
+  int color_error_ = 0;
+  std::array<std::array<std::pair<std::vector<std::uint32_t>, std::size_t>, kTexelPlanes>, 3>
+      planes_;  ///< residuals, and how many are read
   WebHeader header_;
   WebSurface web_;
   std::size_t n_ = 0;

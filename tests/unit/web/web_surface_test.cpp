@@ -155,7 +155,10 @@ TEST(WebSurface, DamageIsFound) {
   pcl_slim_test::setRandomColors(sphere);
   const auto colored = encodeWebSurface(sphere);
   ASSERT_TRUE(bytes && colored);
-  for (const auto* whole : {&*bytes, &*colored}) {
+  pcl_slim_test::setRandomTextures(sphere);
+  const auto textured = encodeWebSurface(sphere);
+  ASSERT_TRUE(textured);
+  for (const auto* whole : {&*bytes, &*colored, &*textured}) {
     for (std::size_t size = 0; size < whole->size(); size += 37)
       EXPECT_FALSE(
           decodeWebSurface({whole->begin(), whole->begin() + static_cast<std::ptrdiff_t>(size)}));

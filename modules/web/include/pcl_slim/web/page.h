@@ -21,6 +21,7 @@ struct PageParams {
   std::string title = "surface";
   std::array<double, 3> up{0.0, 0.0, 1.0};  ///< dragging turns the object about this direction
   double precision = 896.0;                 ///< of encodeWebSurface()
+  int color_error = 2;                      ///< of encodeWebSurface()
   std::vector<SpaceLine> lines;             ///< to draw over the surface, world coordinates
 };
 
@@ -29,7 +30,7 @@ struct PageParams {
  * It opens with the picture of renderPicture() and lets its reader turn it, clip it, measure in it, change
  * its mode and read positions, normals and curvatures. camera.size sets the shape of the still picture that is
  * shown where WebGL 2 is missing. Cuts are refused.
- * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, and some 85 KB. The same for every run. */
+ * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, 6 a point with textures, and some 85 KB. The same for every run. */
 PCL_SLIM_EXPORT Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                                                const RenderParams& rendering,
                                                const ShadingParams& shading,

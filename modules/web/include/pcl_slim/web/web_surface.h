@@ -14,11 +14,14 @@ namespace pcl_slim {
  * Centres take 16 bits an axis, normals 12 bits a coordinate, radii and detail sizes 8-bit
  * logarithms, residuals 12-bit ones, colours their 18 bytes. Coefficients are rewritten for the
  * rounded ball and frame before they are rounded, so that the surface moves by their steps alone.
- * effective_count is left out.
+ * Texels that colour a place of a surfel's disc are predicted from those before them; radii of
+ * surfaces with textures take 12 bits. effective_count is left out.
  * \param[in] precision steps of a coefficient per radius, 16 ... 65536, and four times as many of
  * the constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
- * O(surfels + links). The bytes are the same for every run. */
+ * \param[in] color_error [1/255] greatest change of a channel of a texel, 0 ... 32; 0: none changes.
+ * O(surfels + links + texels). The bytes are the same for every run. */
 PCL_SLIM_EXPORT Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface,
-                                                                    double precision = 896.0);
+                                                                    double precision = 896.0,
+                                                                    int color_error = 2);
 
 }  // namespace pcl_slim
