@@ -134,18 +134,19 @@ struct Format {
   Result<PointFile> (*parse)(const Bytes& bytes);
 };
 
-constexpr Format kFormats[] = {{".pcd", parsePcd},
-                               {".ply", parsePly},
-                               {".las", parseLas},
-                               {".xyz", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".txt", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".asc", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".csv", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".pts", [](const Bytes& bytes) { return parseText(bytes, true); }},
-                               {".obj", parseObj},
-                               {".off", parseOff},
-                               {".stl", parseStl},
-                               {".vtp", parseVtp}};
+constexpr Format kFormats[] = {{".pcd", parsePcd}, {".ply", parsePly}, {".las", parseLas},
+                               {".ptx", parsePtx}, {".obj", parseObj}, {".off", parseOff},
+                               {".stl", parseStl}, {".vtp", parseVtp}};
+
+struct TextFormat {
+  const char* extension;
+  TextKind kind;
+};
+
+constexpr TextFormat kTextFormats[] = {
+    {".xyz", TextKind::kAny},       {".txt", TextKind::kAny},       {".asc", TextKind::kAny},
+    {".csv", TextKind::kAny},       {".neu", TextKind::kAny},       {".pts", TextKind::kPts},
+    {".xyzrgb", TextKind::kXyzRgb}, {".xyzn", TextKind::kXyzNormal}};
 
 /** The first line of text that is no comment and not empty. */
 std::string firstLine(const Bytes& bytes) {
@@ -154,6 +155,19 @@ std::string firstLine(const Bytes& bytes) {
   std::string line;
   while (scanner.nextLine(line) && (splitWords(line).empty() || line[0] == '#')) line.clear();
   return line;
+}
+
+/** Whether text begins with two lines of one number and one of three, as a .ptx does. */
+bool isPtx(const Bytes& bytes) {
+  constexpr std::size_t kMost = 1 << 12;
+  TextScanner scanner(bytes.data(), std::min(bytes.size(), kMost));
+  std::string line;
+  std::size_t number = 0;
+  for (const std::size_t words : {1u, 1u, 3u}) {
+    if (!scanner.nextLine(line) || splitWords(line).size() != words) return false;
+    if (words == 1 && !parseCount(splitWords(line)[0], number)) return false;
+  }
+  return true;
 }
 
 /** The extension that the content of a file shows, for what has no name: .xyz where nothing else
@@ -169,6 +183,7 @@ std::string extensionOf(const Bytes& bytes) {
   std::uint32_t facets = 0;
   if (bytes.size() >= kStlHead) std::memcpy(&facets, bytes.data() + kStlHead - 4, sizeof(facets));
   if (facets > 0 && bytes.size() == kStlHead + kStlFacet * std::size_t{facets}) return ".stl";
+  if (isPtx(bytes)) return ".ptx";
   const std::vector<std::string> words = splitWords(firstLine(bytes));
   const std::string first = words.empty() ? "" : words[0];
   if (first == "ply") return ".ply";
@@ -196,20 +211,43 @@ Error refused(const std::string& path, const std::string& extension) {
   }
   return {ErrorCode::kBadArgument,
           "cannot tell the format of '" + path +
-              "'; name a .pcd, .ply, .las, .xyz, .txt, .asc, .csv, .pts, .obj, .off, .stl or "
-              ".vtp file"};
+              "'; name a .pcd, .ply, .las, .xyz, .xyzrgb, .xyzn, .txt, .asc, .csv, .neu, .pts, "
+              ".ptx, .obj, .off, .stl or .vtp file"};
 }
 
 bool isNameless(const std::string& path) {
   return isStream(path) && lowerExtension(path).empty();
 }
 
-Result<const Format*> formatOf(const std::string& path, const std::string& extension) {
+const TextFormat* textFormatOf(const std::string& extension) {
+  for (const TextFormat& format : kTextFormats) {
+    if (extension == format.extension) return &format;
+  }
+  return nullptr;
+}
+
+const Format* formatOf(const std::string& path, const std::string& extension) {
   for (const Format& format : kFormats) {
     const bool missing = extension == ".vtp" && checkVtp(path);
     if (extension == format.extension && !missing) return &format;
   }
-  return refused(path, extension);
+  return nullptr;
+}
+
+Result<PointFile> parseBytes(const std::string& path, const std::string& extension,
+                             const Bytes& bytes, const PointFileOptions& options) {
+  if (const TextFormat* text = textFormatOf(extension))
+    return parseText(bytes, text->kind, options.columns);
+  if (!options.columns.empty()) {
+    return Error{ErrorCode::kBadArgument,
+                 "a " + extension + " file says what its values are; leave -columns out"};
+  }
+  if (extension == ".ply") {
+    Result<PointFile> file = parsePly(bytes);
+    if (file) adoptSplats(options.min_opacity, *file);
+    return file;
+  }
+  return formatOf(path, extension)->parse(bytes);
 }
 
 }  // namespace
@@ -235,11 +273,13 @@ void makeWords(PointFile& file) {
 
 Error checkPointFileExtension(const std::string& path) {
   if (isNameless(path)) return {};
-  const auto format = formatOf(path, lowerExtension(path));
-  return format ? Error() : format.error();
+  const std::string extension = lowerExtension(path);
+  const bool known = textFormatOf(extension) || formatOf(path, extension);
+  return known ? Error() : refused(path, extension);
 }
 
-Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsigned char>& bytes) {
+Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsigned char>& bytes,
+                                 const PointFileOptions& options) {
   if (bytes.empty())
     return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
   const std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
@@ -249,9 +289,9 @@ Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsi
                      "' is a surface, not points; name a scan, or give the surface a name "
                      "that ends in .slim"};
   }
-  const auto format = formatOf(path, extension);
-  if (!format) return format.error();
-  Result<PointFile> file = (*format)->parse(bytes);
+  if (textFormatOf(extension) == nullptr && formatOf(path, extension) == nullptr)
+    return refused(path, extension);
+  Result<PointFile> file = parseBytes(path, extension, bytes, options);
   if (file) {
     makeWords(*file);
     return file;
@@ -259,10 +299,10 @@ Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsi
   return Error{file.error().code, "'" + path + "': " + file.error().message};
 }
 
-Result<PointFile> loadPointFile(const std::string& path) {
+Result<PointFile> loadPointFile(const std::string& path, const PointFileOptions& options) {
   if (Error error = checkPointFileExtension(path)) return error;
   const Result<Bytes> bytes = readFile(path);
-  return bytes ? parsePointFile(path, *bytes) : bytes.error();
+  return bytes ? parsePointFile(path, *bytes, options) : bytes.error();
 }
 
 Error savePointFile(const std::string& path, const PointFile& file) {

@@ -398,6 +398,7 @@ Result<PointFile> parseLas(const std::vector<unsigned char>& bytes) {
   const std::size_t end = header->points_at + points * header->record_bytes;
   file.las_head.assign(begin, begin + static_cast<std::ptrdiff_t>(header->points_at));
   file.las_tail.assign(begin + static_cast<std::ptrdiff_t>(end), bytes.end());
+  file.degrees = hasDegrees(file.las_head, file.las_tail, end);
   return file;
 }
 
