@@ -10,6 +10,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "io/laz/laz.h"
 #include "io/point_formats.h"
 #include "io/vtp/vtp.h"
 #include "pcl_slim/core/file_access.h"
@@ -129,6 +130,11 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
+Result<PointFile> parseLaz(const Bytes& bytes) {
+  const Result<Bytes> las = unpackLaz(bytes);
+  return las ? parseLas(*las) : las.error();
+}
+
 struct Format {
   const char* extension;
   Result<PointFile> (*parse)(const Bytes& bytes);
@@ -136,7 +142,7 @@ struct Format {
 
 constexpr Format kFormats[] = {{".pcd", parsePcd}, {".ply", parsePly}, {".las", parseLas},
                                {".ptx", parsePtx}, {".obj", parseObj}, {".off", parseOff},
-                               {".stl", parseStl}, {".vtp", parseVtp}};
+                               {".stl", parseStl}, {".vtp", parseVtp}, {".laz", parseLaz}};
 
 struct TextFormat {
   const char* extension;
@@ -155,6 +161,12 @@ std::string firstLine(const Bytes& bytes) {
   std::string line;
   while (scanner.nextLine(line) && (splitWords(line).empty() || line[0] == '#')) line.clear();
   return line;
+}
+
+/** Whether the points behind a LAS header are compressed, whatever the file's name. */
+bool isCompressedLas(const Bytes& bytes) {
+  constexpr std::size_t kFormat = 104;  // its highest bit
+  return bytes.size() > kFormat && (bytes[kFormat] & 0x80) != 0;
 }
 
 /** Whether text begins with two lines of one number and one of three, as a .ptx does. */
@@ -177,7 +189,7 @@ std::string extensionOf(const Bytes& bytes) {
   const auto beginsWith = [&bytes](const std::string& text) {
     return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
   };
-  if (beginsWith("LASF")) return ".las";
+  if (beginsWith("LASF")) return isCompressedLas(bytes) ? ".laz" : ".las";
   if (isSlim(bytes.data(), bytes.size())) return ".slim";
   if (beginsWith("<?xml") || beginsWith("<VTKFile")) return ".vtp";
   std::uint32_t facets = 0;
@@ -200,14 +212,11 @@ Error refused(const std::string& path, const std::string& extension) {
   const std::string stem = path.substr(0, path.size() - extension.size());
   if (extension == ".vtp") return checkVtp(path);
   if (path == "-") return {ErrorCode::kBadArgument, "to read a pipe, name /dev/stdin"};
-  if (extension == ".laz") {
-    return {ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
-                                         path + "' -o '" + stem + ".las'"};
-  }
+  if (extension == ".laz") return checkLaz(path);
   if (extension == ".e57") {
-    return {ErrorCode::kBadArgument, "'" + path +
-                                         "' is not read as it is; convert it: pdal translate '" +
-                                         path + "' '" + stem + ".las'"};
+    return {ErrorCode::kBadArgument,
+            "'" + path + "' is not read as it is; convert it: pdal translate '" + path + "' '" +
+                stem + ".las', or by pye57 of Python (docs/point_files.md)"};
   }
   return {ErrorCode::kBadArgument,
           "cannot tell the format of '" + path +
@@ -228,7 +237,8 @@ const TextFormat* textFormatOf(const std::string& extension) {
 
 const Format* formatOf(const std::string& path, const std::string& extension) {
   for (const Format& format : kFormats) {
-    const bool missing = extension == ".vtp" && checkVtp(path);
+    const bool missing =
+        (extension == ".vtp" && checkVtp(path)) || (extension == ".laz" && checkLaz(path));
     if (extension == format.extension && !missing) return &format;
   }
   return nullptr;
@@ -282,7 +292,8 @@ Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsi
                                  const PointFileOptions& options) {
   if (bytes.empty())
     return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
-  const std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
+  std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
+  if (extension == ".las" && isCompressedLas(bytes)) extension = ".laz";
   if (extension == ".slim") {
     return Error{ErrorCode::kBadInput,
                  "'" + path +

@@ -63,6 +63,7 @@ struct PCL_SLIM_EXPORT PointFileOptions {
  * .las                 versions 1.0 to 1.4, point formats 0 to 10; x y z are doubles, other values
  *                      fields of their names (intensity, return_number, classification, gps_time,
  *                      red, ...), extra bytes fields as their record describes them
+ * .laz                 the same compressed, also COPC, in builds with LASzip
  * .xyz .txt .asc .csv .neu  text, a point a line; columns by their names, or guessed (columns)
  * .xyzrgb .xyzn        the same; colours or normals behind x y z
  * .pts                 the same, with the number of points first and intensity before colours
@@ -73,8 +74,8 @@ struct PCL_SLIM_EXPORT PointFileOptions {
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points is
  * read and has none. Ignored parts of a file (elements of a PLY file other than vertices and faces,
- * texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
- * the error names the command that converts them.
+ * texture coordinates, colours of faces, columns of text) are named in left_out. For .e57, and for
+ * .laz without LASzip, the error names a command that converts it.
  *
  * The file is opened once, so that it may be a pipe. The content of a stream without an extension
  * (isStream(): /dev/stdin) shows its format; text is then .xyz.
