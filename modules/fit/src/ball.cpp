@@ -13,6 +13,7 @@
 #include "pcl_slim/core/extent.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
 
@@ -378,6 +379,13 @@ SurfelRecord recordOf(const FramedBall& ball, const RadiusChoice& choice, int le
   return surfel;
 }
 
+/** Whether a surface can store a polynomial. Points in a row across their plane, as where x and y are in
+ * another unit than z, give one that is too steep. */
+bool isUsable(const SurfelRecord& surfel) {
+  return std::all_of(surfel.c.begin(), surfel.c.end(),
+                     [](float c) { return std::abs(c) <= kMostCoefficient; });
+}
+
 }  // namespace
 
 BallOutcome BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel) {
@@ -395,6 +403,7 @@ BallOutcome BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel) {
   }
   if (missesItsCenter(choice)) return widest(ball, level, surfel);
   surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
+  if (!isUsable(surfel)) return BallOutcome::kUnsupported;
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
 }
 
@@ -413,7 +422,7 @@ BallOutcome BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& 
   choice.kind = RadiusChoice::Kind::kInternal;
   choice.trial = search_.right();
   surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
-  return BallOutcome::kInternal;
+  return isUsable(surfel) ? BallOutcome::kInternal : BallOutcome::kUnsupported;
 }
 
 /** Gathers and frames the points of every stride-th block. \return kLeaf where a radius can be
