@@ -39,7 +39,9 @@ awk '{ print NR "," $2 "," $1 "," $3 ",TREE" }' rows > pnezd.csv
 reads pnezd.csv '- y x z -' -columns -,y,x,z,-
 expect 2 'names 4' pnezd.csv d.slim -columns -,y,x,z
 expect 2 'name every column' pnezd.csv d.slim -columns x,y
-expect 2 'leave -columns out' wanted.slim d.slim -columns x,y,z
+"$bin/pcl_slim_smooth" plain.xyz plain.pcd -quiet || complain "pcl_slim_smooth fails"
+expect 2 'leave -columns out' plain.pcd d.slim -columns x,y,z
+expect 2 'leave -columns out' plain.pcd d.slim -columns x,y,z -tile_points 10000
 awk '{ print NR, $0 }' rows > numbered.txt
 "$bin/pcl_slim_fit" numbered.txt got.slim -quiet 2> err.txt || complain "numbered points are not read"
 same wanted.slim got.slim
