@@ -24,7 +24,8 @@ inline FitParams withoutTrim() {
 
 /** \brief The help text of programs about their input. */
 constexpr const char* kScanHelp =
-    "the scan: .pcd .ply .las .laz .xyz .txt .csv .pts .ptx .obj .off .stl .vtp; normals and faces are "
+    "the scan: .pcd .ply .las .laz .xyz .txt .csv .pts .ptx .obj .off .stl .vtp; normals and faces "
+    "are "
     "used";
 
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
