@@ -61,6 +61,7 @@ OptionTable declareOptions(Settings& s) {
                   "about how many neighbours give each normal of a scan without");
   declareSensorOptions(options, s.scan,
                        "what estimated normals face; not given: the scan's sensor, or outward");
+  declareInputOptions(options, s.scan.input);
   options.integer("rays", &s.rays, 0, 100000000,
                   "rays, at random places, that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
@@ -85,6 +86,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   if (s.color == "own") s.params.color = SplatColor::kOwn;
   if (s.radius == "neighbours") s.params.radius = RadiusRule::kNeighbors;
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
+  if (Error error = checkInputOptions(s.scan.input)) return error;
   if (Error error = checkPointExtension(s.files.output)) return error;
   if (Error error = checkFilesDiffer(s.files, filesRead(s.scan))) return error;
   return s.params.validate();
@@ -105,6 +107,7 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
               {"normal_noise", st.normal_noise}});
   if (st.tree_cells > 0) report.add({{"tree_cells", st.tree_cells}, {"mean_error", st.error}});
   report.set("skipped", {{"non_finite", st.non_finite},
+                         {"far_away", st.far_away},
                          {"duplicates", st.duplicates},
                          {"without_normal", st.without_normal}});
   report.time("order", st.seconds_order);
@@ -138,9 +141,11 @@ Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& repo
   }
   if (!s.scan.use_normals && cloud.normal_source == NormalSource::kNothing)
     console.note("  -use_normals has no effect: the scan has none");
-  if (statistics.non_finite > 0) {
-    console.note("  points skipped: " + std::to_string(statistics.non_finite) + " non-finite");
-  }
+  PointStoreStatistics skipped;
+  skipped.non_finite = statistics.non_finite;
+  skipped.far_away = statistics.far_away;
+  const std::string text = skippedText(skipped);
+  if (!text.empty()) console.note("  " + text);
   return {};
 }
 

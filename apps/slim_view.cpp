@@ -137,7 +137,7 @@ Exit run(const OptionTable& options, Settings& s) {
     if (Error error = checkWritable(s.screenshot)) return error;
   }
   Console console(s.quiet);
-  Result<ModelFile> file = readModelFile(s.input);
+  Result<ModelFile> file = readModelFile(s.input, s.fit.input.file);
   if (!file) return Exit::usage(file.error());
   if (!holdsModel(*file)) {
     Report report(options, s.input, s.fit.params.threads);

@@ -10,6 +10,7 @@ option(PCL_SLIM_BUILD_BENCHMARKS "Build the benchmarks (needs nanoflann)" OFF)
 option(PCL_SLIM_BUILD_MPI "Build pcl_slim_fit_mpi where MPI is found" ON)
 option(PCL_SLIM_WITH_PNG "Read and write .png pictures (needs libpng)" ON)
 option(PCL_SLIM_WITH_VTP "Read and write .vtp (needs VTK's IOXML)" ON)
+option(PCL_SLIM_WITH_LAZ "Read .laz where LASzip's library is found" ON)
 option(PCL_SLIM_INSTALL "Make install rules" ${PROJECT_IS_TOP_LEVEL})
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   set(precompile OFF)  # most caches keep nothing of sources with precompiled headers

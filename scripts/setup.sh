@@ -26,6 +26,9 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   exit 1
 fi
 
+# LASzip, for .laz, is in Debian from version 13 on.
+apt-cache show liblaszip-dev >/dev/null 2>&1 && optional+=(liblaszip-dev)
+
 installed() { # PACKAGE
   [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }

@@ -66,7 +66,7 @@ BoundingSpheres Model::spheres() const {
   return is_splats ? spheresOf(splats) : spheresOf(surface);
 }
 
-Result<ModelFile> readModelFile(const std::string& path) {
+Result<ModelFile> readModelFile(const std::string& path, const PointFileOptions& options) {
   if (checkPointFileExtension(path)) {
     Result<SLIMSurface> surface = loadSurface(path);
     if (!surface) return surface.error();
@@ -79,7 +79,7 @@ Result<ModelFile> readModelFile(const std::string& path) {
     if (!surface) return named(path, surface.error());
     return ModelFile(std::move(*surface));
   }
-  Result<PointFile> points = parsePointFile(path, *bytes);
+  Result<PointFile> points = parsePointFile(path, *bytes, options);
   if (!points) return points.error();
   return ModelFile(std::move(*points));
 }

@@ -47,7 +47,7 @@ struct Model {
 using ModelFile = std::variant<SLIMSurface, PointFile>;
 
 /** \brief Reads a file, once. */
-Result<ModelFile> readModelFile(const std::string& path);
+Result<ModelFile> readModelFile(const std::string& path, const PointFileOptions& options = {});
 
 /** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
 bool holdsModel(const ModelFile& file);

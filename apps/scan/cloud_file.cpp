@@ -205,9 +205,20 @@ void adoptSensors(CloudFile& cloud) {
   if (known) cloud.sensors = std::move(places);
 }
 
+/** Whether one of three fields is not 0 everywhere: some programs write normals that they lack as 0. */
+bool hasValues(const PointTable& cloud, const PointField* const (&fields)[3]) {
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    for (const PointField* field : fields) {
+      const double value = fieldValue(cloud, i, *field);
+      if (value != 0 && std::isfinite(value)) return true;
+    }
+  }
+  return false;
+}
+
 void adoptNormals(CloudFile& cloud) {
   const PointField* fields[3];
-  if (findTriple(cloud.file.cloud, kNormals, fields)) {
+  if (findTriple(cloud.file.cloud, kNormals, fields) && hasValues(cloud.file.cloud, fields)) {
     cloud.normal_source = NormalSource::kFields;
     if (!usableInPlace(cloud.file.cloud, fields, kFloat32, sizeof(float))) {
       cloud.normals = copyTriple<float>(cloud.file.cloud, fields);

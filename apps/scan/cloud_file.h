@@ -12,6 +12,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/splat/octree_cloud.h"
+#include "scan/input_options.h"
 
 namespace pcl_slim {
 
@@ -75,11 +76,12 @@ Error estimateNormals(int k, const std::optional<std::array<double, 3>>& viewpoi
  * VIEWPOINT. The field frame has the frames' numbers, from 0 on, unless the frames have a field of
  * that name. \return an error for a frame that cannot be read, has other fields than the first, or
  * has faces. O(points).
- * \param[in] name of the first frame's file, for messages. \param[in] others further files
+ * \param[in] name of the first frame's file, for messages. \param[in] others further files, read as
+ * input says
  * \param[out] numbers of the frame of each point
  */
-Error mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
-                  std::vector<std::uint32_t>& numbers);
+Error mergeFrames(const std::string& name, const std::vector<std::string>& others,
+                  const InputOptions& input, PointFile& first, std::vector<std::uint32_t>& numbers);
 
 /** \brief Numbers the frames of a cloud by the values of a field, in ascending order.
  * \return an error where there is no such field or one of its values is not finite. O(points log

@@ -81,6 +81,7 @@ void declareParameters(OptionTable& options, FitJob& job, std::initializer_list<
 void declareFitOptions(OptionTable& options, FitJob& job) {
   declareParameters(options, job, {FitOption::kFit, FitOption::kScan});
   declareSensorOptions(options, job);
+  declareInputOptions(options, job.input);
   options.text("frame_field", &job.frame_field, "NAME",
                "field of a merged scan that numbers its frames: each one's noise is its own");
   options.exclusive({"frames", "frame_field"});
@@ -143,6 +144,7 @@ Error finishFitOptions(FitJob& job) {
     return {ErrorCode::kBadArgument,
             "a normal needs 3 neighbours or more; raise -estimate_normals"};
   }
+  if (Error error = checkInputOptions(job.input)) return error;
   return job.params.validate();
 }
 
@@ -176,11 +178,11 @@ std::vector<std::string> frameFiles(const FitJob& job) {
 
 /** Loads a scan with its further frames. */
 Result<CloudFile> loadFrames(const std::string& path, const FitJob& job, PointFile* read) {
-  Result<PointFile> file = read != nullptr ? std::move(*read) : loadPointFile(path);
+  Result<PointFile> file = loadPoints(path, job.input, read);
   if (!file) return file.error();
   std::vector<std::uint32_t> numbers;
   if (!job.frames.empty()) {
-    if (Error error = mergeFrames(path, frameFiles(job), *file, numbers)) return error;
+    if (Error error = mergeFrames(path, frameFiles(job), job.input, *file, numbers)) return error;
   } else if (!job.frame_field.empty()) {
     if (Error error = framesByField(file->cloud, job.frame_field, numbers)) return error;
   }
@@ -244,10 +246,7 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
   console.done(counted(cloud->size(), "point"));
   if (cloud->turned_outwards)
     console.note("  the mesh is closed and inside out: its faces are turned outwards");
-  if (!cloud->file.columns.empty()) {
-    console.note("  columns: " + cloud->file.columns);
-    report.set("columns", cloud->file.columns);
-  }
+  noteInput(cloud->file, job.input, console, report);
   reportSensors(job, *cloud, console, report);
   if (job.normal_neighbours > 0) {
     console.begin("Estimating normals");

@@ -11,6 +11,7 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit_parameters.h"
 #include "scan/cloud_file.h"
+#include "scan/input_options.h"
 
 namespace pcl_slim {
 
@@ -23,12 +24,15 @@ inline FitParams withoutTrim() {
 
 /** \brief The help text of programs about their input. */
 constexpr const char* kScanHelp =
-    "the scan: .pcd .ply .las .xyz .txt .csv .pts .obj .off .stl .vtp; normals and faces are used";
+    "the scan: .pcd .ply .las .laz .xyz .txt .csv .pts .ptx .obj .off .stl .vtp; normals and faces "
+    "are "
+    "used";
 
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
  * program that fits. */
 struct FitJob {
   FitParams params = withoutTrim();
+  InputOptions input;  ///< how the scan's files are read
   /** \brief Parameters given by a word, as read, by the option's name. */
   std::map<std::string, std::string> words;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times

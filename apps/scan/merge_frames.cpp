@@ -79,7 +79,8 @@ void append(const PointTable& frame, PointTable& merged) {
 
 }  // namespace
 
-Error mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
+Error mergeFrames(const std::string& name, const std::vector<std::string>& others,
+                  const InputOptions& input, PointFile& first,
                   std::vector<std::uint32_t>& numbers) {
   if (Error error = checkFrame(name, first, name, first)) return error;
   PointFile merged = withOrigin(first, 0);
@@ -87,7 +88,7 @@ Error mergeFrames(const std::string& name, const std::vector<std::string>& other
   numbers.assign(numPoints(merged.cloud), 0);
   std::uint32_t number = 0;
   for (const std::string& other : others) {
-    Result<PointFile> frame = loadPointFile(other);
+    Result<PointFile> frame = loadPoints(other, input);
     if (!frame) return frame.error();
     const PointFile placed = withOrigin(*frame, ++number);
     if (Error error = checkFrame(name, merged, other, placed)) return error;

@@ -12,6 +12,8 @@
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/io/point_file_pieces.h"
+#include "pcl_slim/filters/io/point_units.h"
 
 namespace pcl_slim {
 
@@ -60,6 +62,19 @@ std::string nameOf(const std::string& path) {
   std::error_code code;
   return fs::absolute(path, code).string() + " " + std::to_string(fs::file_size(path, code)) + " " +
          std::to_string(fs::last_write_time(path, code).time_since_epoch().count());
+}
+
+/** Whether the first points of a scan are lengths, and its columns unnamed. A form that cannot be read in
+ * pieces is checked where it is loaded. */
+Error checkBegin(const std::string& path, const InputOptions& input) {
+  constexpr std::size_t kMostPoints = 20000;
+  if (!input.file.columns.empty()) {
+    return {ErrorCode::kBadArgument, "'" + path + "' says what its values are; leave -columns out"};
+  }
+  PointFileReader reader;
+  PointFile piece;
+  if (input.units == "length" || reader.open(path) || reader.next(kMostPoints, piece)) return {};
+  return checkLengths(piece, path);
 }
 
 bool fitsInMemory(std::uint64_t points) {
@@ -116,6 +131,7 @@ Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tile
     return needed || !fits ? own : Error();
   }
   if (!needed && !wantsTiles(layout->count, tiles)) return {};
+  if (Error error = checkBegin(path, job.input)) return error;
   const auto points = static_cast<double>(std::min(layout->count, tiles.points));
   if (Error error =
           checkMemory(kBytesByTiles * points,

@@ -81,7 +81,7 @@ int fuzzLas(const std::uint8_t* bytes, std::size_t size) {
 }
 
 int fuzzText(const std::uint8_t* bytes, std::size_t size) {
-  for (const char* extension : {".csv", ".pts"}) {
+  for (const char* extension : {".csv", ".pts", ".ptx"}) {
     const BytesFile file(bytes, size, extension);
     readPoints(file.path(), ".pcd");
   }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "io/point_formats.h"
-#include "io/text_file.h"
+#include "io/text/text.h"
 #include "pcl_slim/core/random.h"
 #include "pcl_slim/filters/io/point_file.h"
 
@@ -134,7 +134,7 @@ class ObjReader {
     }
     if (mesh_.positions.empty())
       return badInput("it has no lines 'v x y z'; name an OBJ file with vertices");
-    if (mesh_.colors.size() != mesh_.positions.size()) mesh_.colors.clear();
+    bringColors();
     spreadNormals();
     Result<PointFile> file = toPointFile(mesh_, "OBJ");
     if (file) file->left_out.assign(left_out_.begin(), left_out_.end());
@@ -181,13 +181,26 @@ class ObjReader {
     mesh_.positions.push_back({v[0], v[1], v[2]});
     // x y z r g b, or x y z w r g b; a fourth number alone is a weight.
     if (more < 3) return {};
-    std::array<std::uint8_t, 3> color{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double share = v[static_cast<std::size_t>(more) + k];
-      color[k] = share > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(share, 1.0))) : 0;
-    }
-    mesh_.colors.push_back(color);
+    const double* color = v + more;
+    colors_.push_back({color[0], color[1], color[2]});
     return {};
+  }
+
+  /** Colours are fractions or, where one is larger than 1, numbers up to 255. */
+  void bringColors() {
+    if (colors_.size() != mesh_.positions.size()) return;
+    double most = 0;
+    for (const auto& color : colors_) most = std::max({most, color[0], color[1], color[2]});
+    const double white = most > 1 ? 255 : 1;
+    for (const auto& color : colors_) {
+      std::array<std::uint8_t, 3> bytes{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double share = std::min(color[k] / white, 1.0);
+        bytes[k] =
+            share > 0 ? static_cast<std::uint8_t>(std::lround(255 * share)) : std::uint8_t{0};
+      }
+      mesh_.colors.push_back(bytes);
+    }
   }
 
   Error takeNormal(Words& words) {
@@ -243,6 +256,7 @@ class ObjReader {
   std::size_t number_ = 1;
   MeshPoints mesh_;
   std::vector<std::array<float, 3>> normals_;
+  std::vector<std::array<double, 3>> colors_;                  ///< as the file has them
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses_;  ///< vertex and normal of corners
   std::set<std::string> left_out_;
 };

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "io/pcd_file.h"
+#include "io/ply_file.h"
 #include "io/point_formats.h"
 
 namespace pcl_slim::detail {
@@ -107,9 +108,9 @@ Error checkColumns(const std::vector<PcdColumn>& columns) {
   std::size_t bytes = 0;
   for (const PcdColumn& column : columns) {
     const std::string field = "the PCD field '" + column.name + "' has a ";
-    if (column.count == 0 || column.size == 0) {
-      return badInput(field + (column.count == 0 ? "COUNT" : "SIZE") +
-                      " of 0: give it a value a point, or take it out of the header and the data");
+    if (column.size == 0) {
+      return badInput(
+          field + "SIZE of 0: give it a value a point, or take it out of the header and the data");
     }
     if (!column.isPadding() && scalarType(column) == 0) {
       return badInput(field +
@@ -123,6 +124,15 @@ Error checkColumns(const std::vector<PcdColumn>& columns) {
 }
 
 Error checkHeader(PcdHeader& header) {
+  // Drivers of some lidars write padding of no values, which takes no bytes.
+  const auto isEmpty = [](const PcdColumn& column) { return column.count == 0; };
+  for (const PcdColumn& column : header.columns) {
+    const std::string& name = column.name;
+    if (isEmpty(column) && (name == "x" || name == "y" || name == "z"))
+      return badInput("the PCD field '" + name + "' has a COUNT of 0: give it a value a point");
+  }
+  header.columns.erase(std::remove_if(header.columns.begin(), header.columns.end(), isEmpty),
+                       header.columns.end());
   if (header.columns.empty()) return badInput("the PCD header lists no FIELDS: name x, y and z");
   const auto isPadding = [](const PcdColumn& column) { return column.isPadding(); };
   if (std::all_of(header.columns.begin(), header.columns.end(), isPadding)) {
@@ -306,7 +316,10 @@ Error readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHea
   }
   std::vector<std::uint8_t> columns(plain);
   if (!detail::decodeLzf(payload + 8, compressed, columns.data(), plain)) {
-    return badInput("the PCD file's compressed data are corrupted; copy it again");
+    // What cannot be compressed is stored as it is by some writers.
+    const bool stored = compressed == plain;
+    if (stored) std::copy_n(payload + 8, plain, columns.begin());
+    if (!stored) return badInput("the PCD file's compressed data are corrupted; copy it again");
   }
   cloud.data.resize(header.points * cloud.point_step);
   copyColumns(header, columns.data(), true, cloud);
@@ -333,6 +346,7 @@ Result<PointFile> parsePcd(const std::vector<unsigned char>& bytes) {
     error = badInput("the PCD data form '" + header.data +
                      "' is unknown; use ascii, binary or binary_compressed");
   if (error) return error;
+  adoptCapitals(file.cloud);
   return file;
 }
 

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "io/laz/laz.h"
 #include "io/point_formats.h"
 #include "io/vtp/vtp.h"
 #include "pcl_slim/core/file_access.h"
@@ -129,23 +130,29 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
+Result<PointFile> parseLaz(const Bytes& bytes) {
+  const Result<Bytes> las = unpackLaz(bytes);
+  return las ? parseLas(*las) : las.error();
+}
+
 struct Format {
   const char* extension;
   Result<PointFile> (*parse)(const Bytes& bytes);
 };
 
-constexpr Format kFormats[] = {{".pcd", parsePcd},
-                               {".ply", parsePly},
-                               {".las", parseLas},
-                               {".xyz", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".txt", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".asc", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".csv", [](const Bytes& bytes) { return parseText(bytes, false); }},
-                               {".pts", [](const Bytes& bytes) { return parseText(bytes, true); }},
-                               {".obj", parseObj},
-                               {".off", parseOff},
-                               {".stl", parseStl},
-                               {".vtp", parseVtp}};
+constexpr Format kFormats[] = {{".pcd", parsePcd}, {".ply", parsePly}, {".las", parseLas},
+                               {".ptx", parsePtx}, {".obj", parseObj}, {".off", parseOff},
+                               {".stl", parseStl}, {".vtp", parseVtp}, {".laz", parseLaz}};
+
+struct TextFormat {
+  const char* extension;
+  TextKind kind;
+};
+
+constexpr TextFormat kTextFormats[] = {
+    {".xyz", TextKind::kAny},       {".txt", TextKind::kAny},       {".asc", TextKind::kAny},
+    {".csv", TextKind::kAny},       {".neu", TextKind::kAny},       {".pts", TextKind::kPts},
+    {".xyzrgb", TextKind::kXyzRgb}, {".xyzn", TextKind::kXyzNormal}};
 
 /** The first line of text that is no comment and not empty. */
 std::string firstLine(const Bytes& bytes) {
@@ -156,6 +163,25 @@ std::string firstLine(const Bytes& bytes) {
   return line;
 }
 
+/** Whether the points behind a LAS header are compressed, whatever the file's name. */
+bool isCompressedLas(const Bytes& bytes) {
+  constexpr std::size_t kFormat = 104;  // its highest bit
+  return bytes.size() > kFormat && (bytes[kFormat] & 0x80) != 0;
+}
+
+/** Whether text begins with two lines of one number and one of three, as a .ptx does. */
+bool isPtx(const Bytes& bytes) {
+  constexpr std::size_t kMost = 1 << 12;
+  TextScanner scanner(bytes.data(), std::min(bytes.size(), kMost));
+  std::string line;
+  std::size_t number = 0;
+  for (const std::size_t words : {1u, 1u, 3u}) {
+    if (!scanner.nextLine(line) || splitWords(line).size() != words) return false;
+    if (words == 1 && !parseCount(splitWords(line)[0], number)) return false;
+  }
+  return true;
+}
+
 /** The extension that the content of a file shows, for what has no name: .xyz where nothing else
  * does. */
 std::string extensionOf(const Bytes& bytes) {
@@ -163,12 +189,13 @@ std::string extensionOf(const Bytes& bytes) {
   const auto beginsWith = [&bytes](const std::string& text) {
     return bytes.size() >= text.size() && std::equal(text.begin(), text.end(), bytes.begin());
   };
-  if (beginsWith("LASF")) return ".las";
+  if (beginsWith("LASF")) return isCompressedLas(bytes) ? ".laz" : ".las";
   if (isSlim(bytes.data(), bytes.size())) return ".slim";
   if (beginsWith("<?xml") || beginsWith("<VTKFile")) return ".vtp";
   std::uint32_t facets = 0;
   if (bytes.size() >= kStlHead) std::memcpy(&facets, bytes.data() + kStlHead - 4, sizeof(facets));
   if (facets > 0 && bytes.size() == kStlHead + kStlFacet * std::size_t{facets}) return ".stl";
+  if (isPtx(bytes)) return ".ptx";
   const std::vector<std::string> words = splitWords(firstLine(bytes));
   const std::string first = words.empty() ? "" : words[0];
   if (first == "ply") return ".ply";
@@ -185,31 +212,52 @@ Error refused(const std::string& path, const std::string& extension) {
   const std::string stem = path.substr(0, path.size() - extension.size());
   if (extension == ".vtp") return checkVtp(path);
   if (path == "-") return {ErrorCode::kBadArgument, "to read a pipe, name /dev/stdin"};
-  if (extension == ".laz") {
-    return {ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
-                                         path + "' -o '" + stem + ".las'"};
-  }
+  if (extension == ".laz") return checkLaz(path);
   if (extension == ".e57") {
-    return {ErrorCode::kBadArgument, "'" + path +
-                                         "' is not read as it is; convert it: pdal translate '" +
-                                         path + "' '" + stem + ".las'"};
+    return {ErrorCode::kBadArgument,
+            "'" + path + "' is not read as it is; convert it: pdal translate '" + path + "' '" +
+                stem + ".las', or by pye57 of Python (docs/point_files.md)"};
   }
   return {ErrorCode::kBadArgument,
           "cannot tell the format of '" + path +
-              "'; name a .pcd, .ply, .las, .xyz, .txt, .asc, .csv, .pts, .obj, .off, .stl or "
-              ".vtp file"};
+              "'; name a .pcd, .ply, .las, .xyz, .xyzrgb, .xyzn, .txt, .asc, .csv, .neu, .pts, "
+              ".ptx, .obj, .off, .stl or .vtp file"};
 }
 
 bool isNameless(const std::string& path) {
   return isStream(path) && lowerExtension(path).empty();
 }
 
-Result<const Format*> formatOf(const std::string& path, const std::string& extension) {
+const TextFormat* textFormatOf(const std::string& extension) {
+  for (const TextFormat& format : kTextFormats) {
+    if (extension == format.extension) return &format;
+  }
+  return nullptr;
+}
+
+const Format* formatOf(const std::string& path, const std::string& extension) {
   for (const Format& format : kFormats) {
-    const bool missing = extension == ".vtp" && checkVtp(path);
+    const bool missing =
+        (extension == ".vtp" && checkVtp(path)) || (extension == ".laz" && checkLaz(path));
     if (extension == format.extension && !missing) return &format;
   }
-  return refused(path, extension);
+  return nullptr;
+}
+
+Result<PointFile> parseBytes(const std::string& path, const std::string& extension,
+                             const Bytes& bytes, const PointFileOptions& options) {
+  if (const TextFormat* text = textFormatOf(extension))
+    return parseText(bytes, text->kind, options.columns);
+  if (!options.columns.empty()) {
+    return Error{ErrorCode::kBadArgument,
+                 "a " + extension + " file says what its values are; leave -columns out"};
+  }
+  if (extension == ".ply") {
+    Result<PointFile> file = parsePly(bytes);
+    if (file) adoptSplats(options.min_opacity, *file);
+    return file;
+  }
+  return formatOf(path, extension)->parse(bytes);
 }
 
 }  // namespace
@@ -235,23 +283,26 @@ void makeWords(PointFile& file) {
 
 Error checkPointFileExtension(const std::string& path) {
   if (isNameless(path)) return {};
-  const auto format = formatOf(path, lowerExtension(path));
-  return format ? Error() : format.error();
+  const std::string extension = lowerExtension(path);
+  const bool known = textFormatOf(extension) || formatOf(path, extension);
+  return known ? Error() : refused(path, extension);
 }
 
-Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsigned char>& bytes) {
+Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsigned char>& bytes,
+                                 const PointFileOptions& options) {
   if (bytes.empty())
     return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
-  const std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
+  std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
+  if (extension == ".las" && isCompressedLas(bytes)) extension = ".laz";
   if (extension == ".slim") {
     return Error{ErrorCode::kBadInput,
                  "'" + path +
                      "' is a surface, not points; name a scan, or give the surface a name "
                      "that ends in .slim"};
   }
-  const auto format = formatOf(path, extension);
-  if (!format) return format.error();
-  Result<PointFile> file = (*format)->parse(bytes);
+  if (textFormatOf(extension) == nullptr && formatOf(path, extension) == nullptr)
+    return refused(path, extension);
+  Result<PointFile> file = parseBytes(path, extension, bytes, options);
   if (file) {
     makeWords(*file);
     return file;
@@ -259,10 +310,10 @@ Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsi
   return Error{file.error().code, "'" + path + "': " + file.error().message};
 }
 
-Result<PointFile> loadPointFile(const std::string& path) {
+Result<PointFile> loadPointFile(const std::string& path, const PointFileOptions& options) {
   if (Error error = checkPointFileExtension(path)) return error;
   const Result<Bytes> bytes = readFile(path);
-  return bytes ? parsePointFile(path, *bytes) : bytes.error();
+  return bytes ? parsePointFile(path, *bytes, options) : bytes.error();
 }
 
 Error savePointFile(const std::string& path, const PointFile& file) {

@@ -49,7 +49,9 @@ bool findTriple(const std::vector<NamedField>& columns, const char* const (&name
 Error setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3],
                 bool use_normals, RecordLayout& layout) {
   constexpr const char* kPosition[3] = {"x", "y", "z"};
-  if (!findTriple(columns, kPosition, layout.position))
+  constexpr const char* kCapitals[3] = {"X", "Y", "Z"};
+  if (!findTriple(columns, kPosition, layout.position) &&
+      !findTriple(columns, kCapitals, layout.position))
     return badInput("'" + layout.path + "' has no fields x y z; name a point cloud");
   constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
   std::array<RecordLayout::Field, 3> normal, sensor;
@@ -114,11 +116,15 @@ Error plyLayout(const std::vector<unsigned char>& head, bool use_normals, Record
   layout.step = sizeOf(*vertex, layout.text);
   if (layout.step == 0) return whole(layout.path, "its vertices have lists", "write them without");
   std::vector<NamedField> columns;
+  std::vector<std::string> names;
   std::size_t offset = 0;
   for (const PlyProperty& property : vertex->properties) {
     columns.push_back({property.name, {offset, static_cast<ScalarType>(property.type)}});
     offset += layout.text ? 1 : scalarSize(property.type);
+    names.push_back(property.name);
   }
+  if (hasSplatFields(names))
+    return whole(layout.path, "it has Gaussian splats", "save them with colours red green blue");
   if (Error error = setFields(columns, {"nx", "ny", "nz"}, use_normals, layout)) return error;
   const bool faces = std::any_of(vertex, header.elements.end(), [](const PlyElement& element) {
     return element.name == "face" && element.count > 0;

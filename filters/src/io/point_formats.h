@@ -61,6 +61,13 @@ std::vector<unsigned char> formatPcd(const PointFile& file);
 /** The vertices and faces of a PLY file of any of the three data forms. */
 Result<PointFile> parsePly(const std::vector<unsigned char>& bytes);
 
+/** Of a PLY file of 3D Gaussian splatting: leaves out splats of a lower opacity, and gives the others the
+ * colour that they have from all sides, in a field rgb. Other files stay as they are. */
+void adoptSplats(double min_opacity, PointFile& file);
+
+/** Whether fields of these names are of such a file. */
+bool hasSplatFields(const std::vector<std::string>& names);
+
 /** The bytes of a binary_little_endian PLY file, or why the fields do not fit the format. */
 Result<std::vector<unsigned char>> formatPly(const PointFile& file);
 
@@ -72,11 +79,20 @@ Result<PointFile> parseLas(const std::vector<unsigned char>& bytes);
  * finite. */
 Result<std::vector<unsigned char>> formatLas(const PointFile& file);
 
-/** The points of a text file, one a line; text_file.h describes the format.
+/** What a text file's extension says of its columns. */
+enum class TextKind { kAny, kPts, kXyzRgb, kXyzNormal };
+
+/** The points of a text file, one a line; text/text.h describes the format.
  *
  * Coordinates and other numbers are floats where those represent every digit written, else doubles.
- * \param[in] pts whether it is a .pts file, whose intensity precedes the colours. */
-Result<PointFile> parseText(const std::vector<unsigned char>& bytes, bool pts);
+ * \param[in] columns their names, separated by commas; none: the file's, or guessed. */
+Result<PointFile> parseText(const std::vector<unsigned char>& bytes, TextKind kind,
+                            const std::string& columns);
+
+/** The scans of a Leica PTX file, in the coordinates that they share. One scan keeps its rows, and has
+ * its sensor; of several each point has its sensor in vp_x vp_y vp_z and its scan's number in frame.
+ * Directions without a point are NaN. */
+Result<PointFile> parsePtx(const std::vector<unsigned char>& bytes);
 
 /** A Wavefront OBJ file: v with or without colours, vn, f. A vertex that faces give several normals
  * has their mean. Texture coordinates, lines, groups and materials are left out, and named. */

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "io/text_file.h"
+#include "io/text/text.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/order_statistics.h"
 
@@ -57,7 +57,7 @@ Result<Columns> namedColumns(const TextTable& table) {
 }
 
 Result<Columns> columnsOf(const TextTable& table) {
-  if (table.named) return namedColumns(table);
+  if (table.named_by != ColumnNames::kNobody) return namedColumns(table);
   if (table.columns.size() == 4 || table.columns.size() == 8) return Columns{0, 1, 2, 3};
   return badInput(
       "it has " + std::to_string(table.columns.size()) +

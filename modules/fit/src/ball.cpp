@@ -13,6 +13,7 @@
 #include "pcl_slim/core/extent.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
 
@@ -354,6 +355,13 @@ void setCoefficients(const Trial& trial, SurfelRecord& surfel) {
   }
 }
 
+/** Whether a surface can store a polynomial. Points in a row across their plane, as where x and y are in
+ * another unit than z, give one that is too steep. */
+bool isUsable(const SurfelRecord& surfel) {
+  return std::all_of(surfel.c.begin(), surfel.c.end(),
+                     [](float c) { return std::abs(c) <= kMostCoefficient; });
+}
+
 /** \brief The surfel of a ball whose radius is chosen: its polynomial in units of that radius,
  * without what noise adds to it on average (docs/theory.md, "Bias"). */
 SurfelRecord recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
@@ -375,6 +383,10 @@ SurfelRecord recordOf(const FramedBall& ball, const RadiusChoice& choice, int le
   const double share = ball.site.noise / (trial.rho * trial.rho * unit * unit);
   undoNoiseBias(constants, trial.fit.kernel, surfel.degree, share, surfel.c.data());
   if (surfel.degree == 1) framePlane(surfel);
+  if (choice.kind != RadiusChoice::Kind::kLeaf && !isUsable(surfel)) {  // the parent of finer ones
+    surfel.degree = 1;
+    surfel.c.fill(0.0f);
+  }
   return surfel;
 }
 
@@ -395,6 +407,8 @@ BallOutcome BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel) {
   }
   if (missesItsCenter(choice)) return widest(ball, level, surfel);
   surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
+  if (choice.kind == RadiusChoice::Kind::kLeaf && !isUsable(surfel))
+    return widest(ball, level, surfel);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
 }
 

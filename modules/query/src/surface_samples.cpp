@@ -234,6 +234,8 @@ Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Pr
   });
   std::vector<double> xyz;
   for (const auto& run : runs) xyz.insert(xyz.end(), run.begin(), run.end());
+  made = Candidates();
+  if (xyz.empty()) return {};
   CloudView view;
   view.xyz = xyz.data();
   view.xyz_stride = 3 * sizeof(double);
@@ -247,7 +249,6 @@ Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Pr
   params.threads = threads;
   Projection projection;
   if (Error error = projectPoints(*store, surface, params, projection, progress)) return error;
-  made = Candidates();
   made.points.oriented = surface.info.oriented;
   const double scale = store->scale();
   for (std::size_t i = 0; i < store->size(); ++i) {
@@ -284,11 +285,19 @@ void take(const Candidates& candidates, const std::vector<std::uint32_t>& set, d
   }
 }
 
+Error noArea() {
+  return badInput(
+      "the surface has no area inside its borders at this spacing, as where the points lie along "
+      "lines: "
+      "give a smaller spacing, or a scan of a surface");
+}
+
 Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
                     Progress* progress, SurfaceSamples& samples) {
   Candidates candidates;
   if (Error error = makeCandidates(surface, params.spacing, threads, progress, candidates))
     return error;
+  if (candidates.curvature.empty()) return noArea();
   take(candidates, poissonSet(candidates.points, params.spacing, params.seed, threads),
        params.spacing, samples);
   return {};
@@ -300,8 +309,8 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
   const auto wanted = static_cast<double>(params.count);
   const double aim = 0.5 * (1.0 + kSurplus) * wanted + 0.5;
   double spacing = guessSpacing(surface, std::min(wanted, kFirstCount));
+  Candidates candidates;
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    Candidates candidates;
     if (Error error = makeCandidates(surface, spacing, threads, progress, candidates)) return error;
     std::vector<std::uint32_t> set = poissonSet(candidates.points, spacing, params.seed, threads);
     const auto found = static_cast<double>(set.size());
@@ -313,6 +322,7 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
     }
     spacing *= std::sqrt(std::max(found, 0.25) / aim);
   }
+  if (candidates.curvature.empty()) return noArea();
   return {ErrorCode::kBadArgument, "the surface has no place for so few samples: give a spacing"};
 }
 

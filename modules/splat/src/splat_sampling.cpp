@@ -284,6 +284,7 @@ class Sampling {
 
   Error run(SplatSet& splats) {
     if (!begin(0.0f, "ordering")) return cancelled();
+    leaveStraysOut();
     Result<OctreeCloud> cloud =
         OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
     if (!cloud) return cloud.error();
@@ -313,6 +314,15 @@ class Sampling {
   bool begin(float fraction, const char* stage) {
     progress_.report(fraction, stage);
     return !progress_.cancelled();
+  }
+
+  /** One point a thousand times as far away as the others would leave these few cells. */
+  void leaveStraysOut() {
+    kept_ = withoutStrays(view_, params().threads);
+    if (kept_.empty()) return;
+    statistics_.far_away = view_.count() - kept_.size();
+    view_.indices = kept_.data();
+    view_.num_indices = kept_.size();
   }
 
   static Error cancelled() { return {ErrorCode::kCancelled, "the sampling was cancelled"}; }
@@ -408,6 +418,7 @@ class Sampling {
   LabTable table_;
   std::optional<PointStore> store_;
   std::optional<bool> has_normals_;
+  std::vector<std::int32_t> kept_;  ///< indices of the points used, where there are strays
   std::vector<float> normals_;
   SideEvidence evidence_;
   Stopwatch watch_;

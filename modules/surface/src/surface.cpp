@@ -14,9 +14,8 @@ namespace {
 
 // Local lengths are shares of a box of about 1. Within these bounds squares, and products of four
 // coefficients, are normal floats, and centres in cells of the least radius fit into 64 bits.
-constexpr float kMostLength = 0x1p20f;       ///< of a coordinate or a radius, local units
-constexpr float kLeastRadius = 0x1p-40f;     ///< local units
-constexpr float kMostCoefficient = 0x1p30f;  ///< of a polynomial in the unit ball
+constexpr float kMostLength = 0x1p20f;    ///< of a coordinate or a radius, local units
+constexpr float kLeastRadius = 0x1p-40f;  ///< local units
 constexpr double kMostWorldLength =
     0x1p1000;                              ///< of origin and scale: world coordinates are finite
 constexpr double kLeastScale = 0x1p-1000;  ///< its inverse is finite

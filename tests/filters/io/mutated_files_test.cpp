@@ -137,6 +137,13 @@ std::vector<std::pair<std::string, Bytes>> originals() {
   made.push_back({".xyz", bytesOf("# x y z\n1 2 3\n4 5 6\n7 8 9\n")});
   made.push_back({".csv", bytesOf("x,y,z,red,green,blue\n1,2,3,4,5,6\n4,5,6,7,8,9\n")});
   made.push_back({".pts", bytesOf("2\n1 2 3 -50 10 20 30\n4 5 6 70 1 2 3\n")});
+  made.push_back(
+      {".csv",
+       bytesOf("sep=;\r\n\"x\";\"y, \"\"n\"\"\";z;\"\"\r\n1,5;\"2,5\";NA;\r\n4;5;6;7\r\n")});
+  made.push_back({".txt", bytesOf("# ID, X, Y, Z, T[] as (A, B)\n1 2 3 4 5 6 7\n2 3 4 5\n")});
+  made.push_back({".txt", bytesOf(std::string("\xff\xfe\x31\0 \0\x32\0 \0\x33\0\n\0", 14))});
+  made.push_back({".ptx", bytesOf("1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+                                  "5 6 7 1\n1 2 3 .5 1 2 3\n0 0 0 0 0 0 0\n")});
   made.push_back({".obj", bytesOf("# o\nv 1 2 3\nv 4 5 6 1 0 0\nv 7 8 9\nvn 0 0 1\nvt 0 0\nf 1//1 "
                                   "2//1 3/1/1\nf -1 -2 -3\n")});
   made.push_back(

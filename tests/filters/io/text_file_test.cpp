@@ -102,12 +102,18 @@ TEST(TextFile, EmptyFieldsTextColumnsAndOddEnds) {
 
 TEST(TextFile, TheLineAtFaultIsNamed) {
   const std::pair<const char*, const char*> cases[] = {
-      {"1 2 3\n4 5\n", "line 2"},          {"1 2 3\n\n4 5 six\n", "line 3: 'six'"},
-      {"1 2\n3 4\n", "fewer than 3"},      {"a b c\n1 2 3\n", "name three of numbers x, y and z"},
-      {"x y z\n1 2 3 4\n", "3 are named"}, {"x y z\n", "no points"},
-      {"# nothing\n", "no points"},        {"5\n1 2 3\n", "1 of 5"},
-      {"1,5;2,5;3,5\n", "no number"},      {"x;y;z\n1,5;2,5;3,5\n", "name three"},
-      {"C 0 0 0\n", "no points"},
+      {"1 2 3\n4 5\n", "line 2"},
+      {"1 2 3\n\n4 5 six\n", "line 3: 'six'"},
+      {"1 2\n3 4\n", "fewer than 3"},
+      {"a b c\n1 2 3\n", "name three of numbers x, y and z"},
+      {"x y z\n1 2 3 4\n", "3 are named"},
+      {"x y z\n", "no points"},
+      {"# nothing\n", "no points"},
+      {"5\n1 2 3\n", "1 of 5"},
+      {"1,5x;2,5;3,5\n", "no number"},
+      {"x;y;z\n1,5;2,5;a\n", "name three"},
+      {"C 0 0\n", "no points"},
+      {"x y z\n1 2 3 4\n1 2 3 4\n", "line 2 has 4"},
   };
   for (const auto& [text, words] : cases) {
     const auto file = loadText("a.txt", text);
@@ -118,6 +124,80 @@ TEST(TextFile, TheLineAtFaultIsNamed) {
   const auto zeros = loadText("a.csv", std::string("1 2 3\0 4\n", 9));
   ASSERT_FALSE(zeros);
   EXPECT_NE(zeros.error().message.find("no text"), std::string::npos);
+}
+
+TEST(TextFile, ColumnsAreNamedByTheCaller) {
+  const TemporaryFolder folder;
+  const auto load = [&](const char* text, const char* columns) {
+    writeText(folder / "a.csv", text);
+    PointFileOptions options;
+    options.columns = columns;
+    return loadPointFile(folder / "a.csv", options);
+  };
+  const auto survey = load("1,20.5,10.5,3,TREE\n2,21,11,4,GND\n", "-,y,x,z,-");
+  ASSERT_TRUE(survey) << survey.error().message;
+  EXPECT_EQ(survey->columns, "- y x z -, as -columns names them");
+  EXPECT_EQ(value(*survey, "x", 0), 10.5);
+  EXPECT_TRUE(survey->warnings.empty() && survey->left_out.empty());
+  const auto colored = load("a,b,c,d,e,f,g\n1,2,3,60,9,8,7\n4,5,6,61,1,2,3\n", "X,Y,Z,i,R,G,B");
+  ASSERT_TRUE(colored) << colored.error().message;
+  EXPECT_EQ(numPoints(colored->cloud), 2u) << "a header is replaced";
+  EXPECT_EQ(value(*colored, "intensity", 1), 61);
+  EXPECT_GE(findField(colored->cloud, "rgb"), 0);
+  for (const char* wrong : {"x,y", "x,y,z,", "x,,y,z", "a,b,c"}) {
+    const auto refused = load("1,2,3\n", wrong);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_NE(refused.error().message.find("name every column"), std::string::npos);
+  }
+  const auto fewer = load("1,2,3,4\n", "x,y,z");
+  ASSERT_FALSE(fewer);
+  EXPECT_NE(fewer.error().message.find("-columns names 3"), std::string::npos);
+  writeText(folder / "a.obj", "v 1 2 3\n");
+  PointFileOptions options;
+  options.columns = "x,y,z";
+  EXPECT_FALSE(loadPointFile(folder / "a.obj", options)) << "an OBJ file has no columns to name";
+}
+
+TEST(TextFile, NumberedPointsAreWarnedOf) {
+  std::string text;
+  for (int i = 1; i <= 20; ++i)
+    text += std::to_string(i + (i > 9)) + " " + std::to_string(i * 7 % 5) + ".5 " +
+            std::to_string(i * 3 % 7) + ".25 1\n";
+  const auto numbered = loadText("a.txt", text);
+  ASSERT_TRUE(numbered) << numbered.error().message;
+  EXPECT_EQ(value(*numbered, "x", 0), 2.5) << "the point that is missing does not matter";
+  ASSERT_EQ(numbered->warnings.size(), 1u);
+  EXPECT_NE(numbered->warnings[0].find("-columns"), std::string::npos);
+  const auto profile = loadText("a.txt", "1 2 3\n2 2 3\n3 2 3\n4 2 3\n5 2 3\n6 2 3\n");
+  ASSERT_TRUE(profile);
+  EXPECT_EQ(value(*profile, "x", 5), 6) << "three columns are coordinates";
+}
+
+TEST(TextFile, AnIntensityBesideColoursVariesLessWithThem) {
+  std::string first, last;
+  for (int i = 0; i < 60; ++i) {
+    const std::string place = std::to_string(i % 8) + " " + std::to_string(i / 8) + " 0.5 ";
+    const int gray = 4 * i, other = i * 37 % 101;
+    const std::string colors = std::to_string(gray) + " " + std::to_string(gray / 2 + 20) + " " +
+                               std::to_string(gray / 3 + 30);
+    first += place + std::to_string(other) + " " + colors + "\n";
+    last += place + colors + " " + std::to_string(other) + "\n";
+  }
+  EXPECT_EQ(columnsOf("a.txt", first), "x y z intensity red green blue");
+  EXPECT_EQ(columnsOf("a.txt", last), "x y z red green blue intensity");
+  EXPECT_EQ(columnsOf("a.pts", "60\n" + last), "x y z intensity red green blue") << "by the format";
+}
+
+TEST(TextFile, FractionsOf255AreBytesAndOthersStay) {
+  const auto bytes = loadText("a.xyzrgb", "1 2 3 0.556863 0.694118 0.117647\n");
+  ASSERT_TRUE(bytes);
+  const auto& rgb = bytes->cloud.fields[static_cast<std::size_t>(findField(bytes->cloud, "rgb"))];
+  EXPECT_EQ(bytes->cloud.data[rgb.offset + 2], 142);
+  EXPECT_EQ(bytes->cloud.data[rgb.offset + 1], 177);
+  EXPECT_EQ(bytes->cloud.data[rgb.offset], 30);
+  const auto fine = loadText("a.xyzrgb", "1 2 3 0.123456 0.5 1\n");
+  ASSERT_TRUE(fine);
+  EXPECT_FLOAT_EQ(static_cast<float>(value(*fine, "red", 0)), 0.123456f);
 }
 
 }  // namespace

@@ -204,5 +204,57 @@ TEST(NoiseLevel, ProfileFollowsNoiseThatVaries) {
   EXPECT_EQ(profile, noiseProfile(store, 3));
 }
 
+/** A plane of 100 x 100 with noise of .02, and on it a small one of .4 x .4 with noise of .0005. */
+Cloud planeWithFinePart(std::size_t coarse, std::size_t fine) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(-0.5, 0.5);
+  Cloud cloud;
+  for (std::size_t i = 0; i < coarse + fine; ++i) {
+    const bool small = i >= coarse;
+    const double width = small ? 0.4 : 100, noise = small ? 0.0005 : 0.02;
+    const double x = width * share(random), y = width * share(random), e = noise * normal(random);
+    cloud.add(x, y, (small ? 3 : 0) + e);
+  }
+  return cloud;
+}
+
+TEST(NoiseLevel, AFinePartOfUnevenNoiseHasItsOwn) {
+  const PointStore store = storeOf(planeWithFinePart(30000, 20000));
+  const detail::NoiseConstants constants;
+  const detail::NoiseLevel level = detail::measureNoise(store, constants, 2);
+  const std::vector<float> ratios = detail::measureRaisedProfile(store, level, constants, 2);
+  EXPECT_EQ(detail::measureRaisedProfile(store, level, constants, 1), ratios);
+  const double unit = store.scale() * store.scale() * level.variance;
+  std::size_t fine = 0, right = 0, coarse = 0, kept = 0;
+  for (std::size_t j = 0; j < ratios.size(); ++j) {
+    const std::size_t i = (2 * j + 1) * store.size() / (2 * ratios.size());
+    const bool small = store.origin()[2] + store.scale() * store.position(i)[2] > 1.5;
+    const double sigma = std::sqrt(ratios[j] * unit);
+    (small ? fine : coarse) += 1;
+    if (small) right += sigma > 0.0003 && sigma < 0.0008;
+    if (!small) kept += ratios[j] >= 1;
+  }
+  ASSERT_GT(fine, 100u);
+  EXPECT_GT(right, fine * 95 / 100);
+  EXPECT_GT(kept, coarse * 95 / 100);
+}
+
+TEST(NoiseLevel, ACleanPartOfTheSameSpacingKeepsTheLevel) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share;
+  Cloud cloud;
+  for (std::size_t i = 0; i < 30000; ++i) {
+    const double x = share(random), y = share(random);
+    cloud.add(x, y, (x < 0.3 ? 0.0002 : 0.005) * normal(random));
+  }
+  const PointStore store = storeOf(cloud);
+  const detail::NoiseConstants constants;
+  const detail::NoiseLevel level = detail::measureNoise(store, constants, 2);
+  for (const float ratio : detail::measureRaisedProfile(store, level, constants, 2))
+    ASSERT_GE(ratio, 1.0f);
+}
+
 }  // namespace
 }  // namespace pcl_slim

@@ -86,4 +86,21 @@ TEST(StoreFrame, APartHasTheKeysThatItHasInTheWhole) {
     EXPECT_TRUE(std::binary_search(whole.keys(), whole.keys() + whole.size(), part->keys()[i]));
 }
 
+TEST(StoreFrame, IndicesWithoutStrays) {
+  Cloud cloud = sceneCloud(measure::Shape::kTorus, 5000, 0.01);
+  EXPECT_TRUE(withoutStrays(cloud.view(), 2).empty()) << "there are none";
+  cloud.points[3 * 5 + 1] = std::numeric_limits<double>::quiet_NaN();
+  cloud.points[3 * 600] = 1e9;
+  const std::vector<std::int32_t> kept = withoutStrays(cloud.view(), 1);
+  ASSERT_EQ(kept.size(), 4999u) << "the point that is not finite stays";
+  EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
+  EXPECT_FALSE(std::binary_search(kept.begin(), kept.end(), 600));
+  EXPECT_EQ(withoutStrays(cloud.view(), 4), kept);
+  CloudView some = cloud.view();
+  const std::vector<std::int32_t> indices(kept.rbegin(), kept.rend());
+  some.indices = indices.data();
+  some.num_indices = indices.size();
+  EXPECT_TRUE(withoutStrays(some, 2).empty());
+}
+
 }  // namespace

@@ -133,6 +133,18 @@ TEST(OctreeCloud, CountsPlacesHoweverOftenTheyAreGiven) {
   EXPECT_NEAR(exact->resolution(), once, 1);
 }
 
+TEST(OctreeCloud, APointFarAwayLeavesTheOthersTheirCells) {
+  const PaintedCloud cloud = painted(20000);
+  for (const double far : {30.0, 1000.0, 20000.0}) {
+    PaintedCloud more = cloud;
+    more.add({far, 0, 0}, {0, 0, 1}, {1, 2, 3});
+    const auto octree = OctreeCloud::build(more.view(), {0, 0, 50}, 2);
+    ASSERT_TRUE(octree);
+    EXPECT_GT(octree->numRoots(), 20000u / 50 / 2) << far;
+    EXPECT_LT(octree->numRoots(), 20000u / 50 * 2) << far;
+  }
+}
+
 TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder) {
   const PaintedCloud cloud = painted(5000);
   std::vector<float> floats(cloud.points.begin(), cloud.points.end());

@@ -75,6 +75,11 @@ struct LasHeader {
  * size of the whole file, in bytes. */
 Result<LasHeader> parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size);
 
+/** Whether the coordinate system of a file is geographic: x and y are degrees. \param[in] head the bytes
+ * before the points; \param[in] tail those behind them, from byte tail_at of the file on. */
+bool hasDegrees(const std::vector<unsigned char>& head, const std::vector<unsigned char>& tail,
+                std::uint64_t tail_at);
+
 /** The header of a new file, version 1.4, of a point format from 6 on; counts, box and record
  * length are put in when it is written. */
 std::vector<unsigned char> newLasHead(int format);

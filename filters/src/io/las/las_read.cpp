@@ -188,8 +188,6 @@ Error readSizes(const std::vector<unsigned char>& bytes, LasHeader& header) {
     return badInput("the LAS file has version " + std::to_string(p[LasAt::kVersion]) + "." +
                     std::to_string(header.minor) + ", not 1.0 to 1.4; convert it with 'las2las'");
   }
-  if ((p[LasAt::kFormat] & 0x80) != 0)
-    return badInput("the points are compressed (LAZ); convert it: laszip -i IN.laz -o OUT.las");
   if (header.format > kMostLasFormat)
     return corrupted("point format " + std::to_string(header.format) + " is not 0 to 10");
   if (header.header_bytes < (header.minor < 4 ? kOldLasHeaderBytes : kLasHeaderBytes) ||
@@ -398,6 +396,7 @@ Result<PointFile> parseLas(const std::vector<unsigned char>& bytes) {
   const std::size_t end = header->points_at + points * header->record_bytes;
   file.las_head.assign(begin, begin + static_cast<std::ptrdiff_t>(header->points_at));
   file.las_tail.assign(begin + static_cast<std::ptrdiff_t>(end), bytes.end());
+  file.degrees = hasDegrees(file.las_head, file.las_tail, end);
   return file;
 }
 

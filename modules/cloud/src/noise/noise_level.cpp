@@ -317,18 +317,67 @@ std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel
   return profile;
 }
 
+namespace {
+
+// An object of another scale in a scan: its points are far denser, and its noise is far lower. The scan's
+// level would smooth the object away, so that it gets its own.
+constexpr double kFinerRadius = 0.125;      ///< largest ratio of its patches' radius to the others'
+constexpr double kFinerVariance = 0.0625;   ///< largest ratio of its variance to the level
+constexpr double kLeastFiner = 1e-6;        ///< least such ratio
+constexpr std::ptrdiff_t kFinerWindow = 8;  ///< number of runs to either side in a mean
+
+/** Radius of the patches whose noise makes up the level. */
+double radiusOfLevel(const NoiseLevel& level, const PatchScale& scale) {
+  double sum = 0, weights = 0;
+  for (std::size_t j = 0; j < scale.radii.size(); ++j) {
+    const double weight = std::max(scale.variances[j], 0.0);
+    sum += weight * scale.radii[j];
+    weights += weight;
+  }
+  return std::max(level.patch_radius, weights > 0 ? sum / weights : 0.0);
+}
+
+/** Lowers the ratios of runs on objects of a finer scale. A mean is of runs of that scale alone. */
+void lowerFinerParts(const NoiseLevel& level, const PatchScale& scale,
+                     const NoiseConstants& constants, std::vector<float>& profile) {
+  const double finer = kFinerRadius * radiusOfLevel(level, scale);
+  const auto isFiner = [&](std::size_t j) {
+    return scale.variances[j] >= 0 && scale.radii[j] < finer;
+  };
+  const auto runs = static_cast<std::ptrdiff_t>(profile.size());
+  std::vector<double> window;
+  for (std::ptrdiff_t j = 0; j < runs; ++j) {
+    if (!isFiner(static_cast<std::size_t>(j))) continue;
+    window.clear();
+    const std::ptrdiff_t end = std::min(runs, j + kFinerWindow + 1);
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, j - kFinerWindow); i < end; ++i) {
+      const auto near = static_cast<std::size_t>(i);
+      if (isFiner(near)) window.push_back(scale.variances[near]);
+    }
+    const double ratio = trimmedMean(window, constants.trim) / level.variance;
+    if (ratio < kFinerVariance)
+      profile[static_cast<std::size_t>(j)] = static_cast<float>(std::max(ratio, kLeastFiner));
+  }
+}
+
+}  // namespace
+
 std::vector<float> measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
                                         const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   const std::size_t k = level.neighbors;
   const std::size_t runs = runsOf(store, constants);
-  std::vector<float> profile = runVariances(store, k, runs, constants, threads);
+  threads = resolveThreads(threads);
+  ThinnedPlaces places(store, runs);
+  const PatchScale scale = measureScale(places, k, constants, threads);
+  std::vector<float> profile = windowedMeans(scale.variances, constants, threads);
   const std::vector<float> wider = runVariances(store, 2 * k, runs, constants, threads);
   for (std::size_t j = 0; j < profile.size(); ++j) {
     const bool noise = isFlat(profile[j], wider[j], constants);
     const auto ratio = static_cast<float>(wider[j] / level.variance);
     profile[j] = noise ? std::clamp(ratio, 1.0f, 1 / constants.least_ratio) : 1.0f;
   }
+  lowerFinerParts(level, scale, constants, profile);
   return profile;
 }
 

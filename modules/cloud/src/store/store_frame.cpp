@@ -417,4 +417,23 @@ std::array<double, 3> fileShift(const CloudView& cloud) {
   return box.low[0] <= box.high[0] ? fileShift(box.low, box.high) : std::array<double, 3>{};
 }
 
+std::vector<std::int32_t> withoutStrays(const CloudView& cloud, int threads) {
+  const std::size_t n = cloud.count();
+  if (cloud.validate() || n > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    return {};
+  const detail::CloudReader reader(cloud);
+  const detail::Bulk bulk = detail::findBulk(cloud, reader, threads);
+  if (!std::isfinite(bulk.reach)) return {};
+  std::vector<std::int32_t> kept(n);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t input = cloud.inputIndex(i);
+    const std::array<double, 3> p = reader.position(input);
+    if (isFinite(p) && !bulk.holds(p)) continue;
+    kept[count++] = static_cast<std::int32_t>(input);
+  }
+  kept.resize(count == n ? 0 : count);
+  return kept;
+}
+
 }  // namespace pcl_slim

@@ -103,6 +103,10 @@ class OctreeCloudBuilder {
       chooseGrid(box, resolution);
       sort(read);
     }
+    if (const int finer = finerResolution(grid)) {
+      chooseGrid(box, finer);
+      sort(read);
+    }
     out_.num_duplicates_ = box.finite - out_.order_.size();
     findRoots();
     return {};
@@ -145,6 +149,32 @@ class OctreeCloudBuilder {
     if (!area) return std::clamp(grid.resolution, 1, RootGrid::kMaxResolution);
     if (!(grid.points_per_root > 0)) return area->resolutionFor(grid.occupied);
     return area->resolutionFor(static_cast<double>(points) / grid.points_per_root);
+  }
+
+  /** Occupied cells of a grid 2^halvings times as fine. */
+  double countCells(int halvings) const {
+    const int shift = 3 * (out_.depth_ - halvings);
+    double count = 1;
+    for (std::size_t i = 1; i < out_.keys_.size(); ++i)
+      count += (out_.keys_[i] ^ out_.keys_[i - 1]) >> shift != 0;
+    return count;
+  }
+
+  /** A resolution for as many occupied cells as wanted where there are far fewer, because some points are
+   * so far away that all others are in one cell of the probe; else 0. */
+  int finerResolution(const RootGrid& grid) const {
+    constexpr double kFew = 0.5;  // on surfaces and in volumes the probe is nearer to the count
+    if (grid.resolution > 0 || !(out_.cell_ > 0)) return 0;
+    const double wanted = grid.points_per_root > 0
+                              ? static_cast<double>(out_.order_.size()) / grid.points_per_root
+                              : grid.occupied;
+    if (countCells(0) >= kFew * wanted) return 0;
+    int halvings = 1;
+    while (halvings < out_.depth_ && countCells(halvings) < wanted) ++halvings;
+    const double factor = std::sqrt(wanted / countCells(halvings));
+    const double resolution = std::ldexp(out_.resolution_ * factor, halvings);
+    return static_cast<int>(
+        std::clamp(std::round(resolution), 1.0, double{RootGrid::kMaxResolution}));
   }
 
   void chooseGrid(const FiniteBox& box, int resolution) {

@@ -27,8 +27,11 @@ struct PCL_SLIM_EXPORT PointFile {
   std::vector<std::string> left_out;      ///< other content of the file, in words: "element 'edge'"
   std::vector<std::uint32_t> face_begin;  ///< faces: number of faces + 1 offsets, or empty
   std::vector<std::uint32_t>
-      face_vertices;    ///< vertices of face i: [face_begin[i], face_begin[i+1])
-  std::string columns;  ///< of a text file: what its columns are, and how that is known
+      face_vertices;     ///< vertices of face i: [face_begin[i], face_begin[i+1])
+  std::string columns;   ///< of a text file: what its columns are, and how that is known
+  bool degrees = false;  ///< the file says that x and y are degrees of longitude and latitude
+  std::vector<std::string> notes;     ///< what was made of the content, a line each
+  std::vector<std::string> warnings;  ///< the same where it may be wrong
   std::vector<unsigned char>
       las_head;  ///< of a LAS file: header and records before its points, kept for writing
   std::vector<unsigned char> las_tail;  ///< what follows them
@@ -44,6 +47,15 @@ struct PCL_SLIM_EXPORT PointFile {
   Error validate() const;
 };
 
+/** \brief What a reader cannot know of a file. */
+struct PCL_SLIM_EXPORT PointFileOptions {
+  /** \brief Names of a text file's columns, separated by commas, in place of those that it has or that
+   * are guessed: "x,y,z,i,r,g,b,-"; - leaves a column out. */
+  std::string columns;
+  /** \brief Of a PLY file of 3D Gaussian splatting: splats of a lower opacity are left out, 0 to 1. */
+  double min_opacity = 0.1;
+};
+
 /** \brief Reads a point file by its extension, upper or lower case.
  *
  * .pcd                 ascii, binary, binary_compressed
@@ -51,26 +63,34 @@ struct PCL_SLIM_EXPORT PointFile {
  * .las                 versions 1.0 to 1.4, point formats 0 to 10; x y z are doubles, other values
  *                      fields of their names (intensity, return_number, classification, gps_time,
  *                      red, ...), extra bytes fields as their record describes them
- * .xyz .txt .asc .csv  text, a point a line; columns by their names, or guessed (columns)
+ * .laz                 the same compressed, also COPC, in builds with LASzip
+ * .xyz .txt .asc .csv .neu  text, a point a line; columns by their names, or guessed (columns)
+ * .xyzrgb .xyzn        the same; colours or normals behind x y z
  * .pts                 the same, with the number of points first and intensity before colours
+ * .ptx                 scans of Leica's format, with the places of their scanners
  * .obj .off .stl       vertices, with normals and colours where there are any, and faces
  * .vtp VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays
  *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points is
  * read and has none. Ignored parts of a file (elements of a PLY file other than vertices and faces,
- * texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
- * the error names the command that converts them.
+ * texture coordinates, colours of faces, columns of text) are named in left_out. For .e57, and for
+ * .laz without LASzip, the error names a command that converts it.
  *
  * The file is opened once, so that it may be a pipe. The content of a stream without an extension
  * (isStream(): /dev/stdin) shows its format; text is then .xyz.
  */
-PCL_SLIM_EXPORT Result<PointFile> loadPointFile(const std::string& path);
+PCL_SLIM_EXPORT Result<PointFile> loadPointFile(const std::string& path,
+                                                const PointFileOptions& options = {});
 
 /** \brief The same of bytes that are read already. \param[in] path gives the extension, and a name
  * to errors */
 PCL_SLIM_EXPORT Result<PointFile> parsePointFile(const std::string& path,
-                                                 const std::vector<unsigned char>& bytes);
+                                                 const std::vector<unsigned char>& bytes,
+                                                 const PointFileOptions& options = {});
+
+/** \brief No error for names of columns that PointFileOptions can have. */
+PCL_SLIM_EXPORT Error checkColumns(const std::string& columns);
 
 /** \brief No error for an extension that loadPointFile() knows, and for a stream without one. */
 PCL_SLIM_EXPORT Error checkPointFileExtension(const std::string& path);

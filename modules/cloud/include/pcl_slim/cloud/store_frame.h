@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/export.h"
@@ -25,6 +26,11 @@ struct StoreFrame {
   bool with_normals = false;            ///< points without a normal are left out
   std::optional<std::array<double, 3>> sensor;  ///< world position that points were seen from
 };
+
+/** \brief The points of a cloud but for the strays that a PointStore leaves out, for CloudView::indices;
+ * empty where there is none. Points that are not finite are kept. O(points).
+ * \param[in] threads 0: all cores; never changes the result */
+PCL_SLIM_EXPORT std::vector<std::int32_t> withoutStrays(const CloudView& cloud, int threads);
 
 /** \brief What files of floats leave out of world coordinates, so that all files made of one cloud
  * have the same place in a viewer: 0 unless the cloud is 256 of its diagonals or more from the

@@ -51,6 +51,7 @@ struct SplatStatistics {
   std::uint64_t points = 0;      ///< points used
   std::uint64_t duplicates = 0;  ///< points skipped: another is equal in place, normal and colour
   std::uint64_t non_finite = 0;  ///< points skipped: a coordinate is NaN or infinite
+  std::uint64_t far_away = 0;    ///< points skipped: strays, as PointStore leaves them out
   std::uint64_t roots = 0;       ///< occupied root cells
   std::uint64_t splats = 0;
   std::uint64_t single_points = 0;   ///< splats of one point
@@ -73,7 +74,7 @@ struct SplatStatistics {
  *
  * Colours and normals are optional: without colours shape alone divides, without normals they come
  * from neighbours. Points without a normal among others are used without one. The order of the
- * points, those that are not finite and those that repeat another change nothing. \param[out]
+ * points, those that are not finite, strays and those that repeat another change nothing. \param[out]
  * splats cleared first; empty on error. \param[out] statistics may be null. \param[in] progress may
  * be null. O(N). The same splats for any number of threads.
  */

@@ -9,6 +9,7 @@ namespace pcl_slim {
 
 constexpr int kMaxDegree = 4;
 constexpr int kMaxCoefficients = 15;
+constexpr float kMostCoefficient = 0x1p30f;  ///< largest of a polynomial in the unit ball
 
 /** \brief Number of coefficients of a bivariate polynomial of the given degree: 3, 6, 10, 15. */
 constexpr int numCoefficients(int degree) {

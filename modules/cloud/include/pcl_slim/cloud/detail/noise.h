@@ -138,7 +138,8 @@ PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
                                                        int threads);
 
 /** \brief The profile for uneven noise. \return ratios above 1 where the noise exceeds the
- * level's; 1 elsewhere, and where the excess grows with the patch as detail does. */
+ * level's; below 1 on objects whose points are 8 times as dense or more, and whose noise is a quarter of the
+ * level or less; 1 elsewhere, and where the excess grows with the patch as detail does. */
 PCL_SLIM_EXPORT std::vector<float> measureRaisedProfile(const PointStore& store,
                                                         const NoiseLevel& level,
                                                         const NoiseConstants& constants,
