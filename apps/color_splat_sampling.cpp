@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/run_program.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/query/surface_samples.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
+#include "scan/small_components.h"
 
 namespace {
 
@@ -20,8 +26,15 @@ using namespace pcl_slim;
 constexpr std::uint64_t kMany = 1000000000000000000u;
 constexpr double kBytesOfPoint = 36;  ///< that a sampling takes at least while points are ordered
 
+/// Options about the normals of a scan; a surface has its own.
+constexpr const char* kNormalOptions[] = {"use_normals", "estimate_normals", "viewpoint",
+                                          "trajectory",  "time_field",       "time_offset",
+                                          "frames"};
+
 struct Settings {
   ScanFiles files;
+  std::string surface;  ///< file of the surface that is sampled in place of the scan, or none
+  double min_component = kLeastComponentPoints;
   std::string color = "mean", radius = "density";
   SplatParams params;
   FitJob scan;  ///< how the scan is loaded
@@ -33,7 +46,7 @@ OptionTable declareOptions(Settings& s) {
   OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
-  options.positional("IN", &s.files.input, kScanHelp);
+  options.positional("IN", &s.files.input, "the scan, or a surface made by pcl_slim_fit");
   options.positional("OUT.pcd|.ply|.vtp", &s.files.output,
                      "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
@@ -62,6 +75,11 @@ OptionTable declareOptions(Settings& s) {
   declareSensorOptions(options, s.scan,
                        "what estimated normals face; not given: the scan's sensor, or outward");
   declareInputOptions(options, s.scan.input);
+  options.text(
+      "surface", &s.surface, "FILE",
+      "take shape and colours from a surface made by pcl_slim_fit (.slim .pcd .ply .vtp): IN "
+      "only gives the number of points");
+  declareComponentOption(options, s.min_component);
   options.integer("rays", &s.rays, 0, 100000000,
                   "rays, at random places, that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
@@ -75,6 +93,7 @@ OptionTable declareOptions(Settings& s) {
   }
   for (const char* name : {"min_points", "colors", "radius", "remove_noise"})
     options.exclusive({"paper", name});
+  for (const char* name : kNormalOptions) options.exclusive({"surface", name});
   return options;
 }
 
@@ -88,7 +107,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
   if (Error error = checkInputOptions(s.scan.input)) return error;
   if (Error error = checkPointExtension(s.files.output)) return error;
-  if (Error error = checkFilesDiffer(s.files, filesRead(s.scan))) return error;
+  if (Error error = checkFilesDiffer(s.files, filesRead(s.scan, {s.surface}))) return error;
   return s.params.validate();
 }
 
@@ -116,23 +135,83 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
   report.time("build", st.seconds_splats);
 }
 
-Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& report,
-             SplatSet& splats) {
-  s.params.viewpoint = s.scan.params.viewpoint;
-  const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
-  const std::string work = "sampling " + std::to_string(cloud.size()) + " points";
-  if (Error error = checkMemory(bytes, work)) return error;
-  console.begin("Sampling");
-  const ColorView colors = colorsOf(cloud);
-  SplatStatistics statistics;
-  if (Error error = sampleSplats(cloud.view(s.scan.use_normals), colors, s.params, splats,
-                                 &statistics, &console.progress()))
+/** What splats are made of: the points of a scan, or even samples of a surface. */
+struct Input {
+  std::optional<CloudFile> scan;
+  std::optional<SLIMSurface> surface;
+  SurfaceSamples samples;         ///< of the surface
+  std::vector<std::uint8_t> bgr;  ///< of the samples
+
+  CloudView points(bool with_normals) const {
+    if (!surface) return scan->view(with_normals);
+    CloudView view;
+    view.xyz = samples.position.data();
+    view.xyz_stride = sizeof(samples.position[0]);
+    view.scalar = CloudView::Scalar::kDouble;
+    view.size = samples.size();
+    if (with_normals) view.normal = samples.normal.data();
+    view.normal_stride = sizeof(samples.normal[0]);
+    return view;
+  }
+  ColorView colors() const {
+    if (!surface) return colorsOf(*scan);
+    return {bgr.empty() ? nullptr : bgr.data(), 3};
+  }
+};
+
+/** The surface that the input itself is. \param[in] surfels its points, where they are read
+ * already */
+Error loadSurfaceItself(const OptionTable& options, const Settings& s, const PointFile* surfels,
+                        Console& console, Report& report, Input& input) {
+  if (!s.surface.empty()) {
+    return {ErrorCode::kBadArgument,
+            "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
+  }
+  for (const char* name : kNormalOptions) {
+    if (!options.given(name)) continue;
+    return {ErrorCode::kBadArgument, "'" + s.files.input +
+                                         "' is a surface, which has its own normals: " + "leave -" +
+                                         name + " out"};
+  }
+  return loadGiven(s.files.input, console, report, input.surface.emplace(), surfels);
+}
+
+Error loadInput(const OptionTable& options, const Settings& s, Console& console, Report& report,
+                Input& input) {
+  if (holdsSurface(s.files.input, nullptr))
+    return loadSurfaceItself(options, s, nullptr, console, report, input);
+  Result<CloudFile> loaded = loadScan(s.files.input, s.scan, console, report);
+  if (!loaded) return loaded.error();
+  if (holdsSurface(s.files.input, &*loaded))
+    return loadSurfaceItself(options, s, &loaded->file, console, report, input);
+  input.scan = std::move(*loaded);
+  if (!s.surface.empty()) return loadGiven(s.surface, console, report, input.surface.emplace());
+  if (!options.given("min_component")) return {};
+  return {ErrorCode::kBadArgument, "-min_component is of surfaces: give -surface, or leave it out"};
+}
+
+/** Spreads as many samples over the surface as the scan has points, or as it was fitted to. */
+Error sampleGiven(const Settings& s, Console& console, Report& report, Input& input) {
+  const std::uint64_t non_finite = input.scan ? input.scan->num_non_finite : 0;
+  SurfaceSampleParams params;
+  params.count = input.scan ? input.scan->size() - non_finite : input.surface->info.num_points;
+  params.threads = s.params.threads;
+  if (params.count == 0) return CloudView::nothingFinite();
+  leaveOutComponents(s.min_component, s.params.threads, {}, console, &report, *input.surface);
+  console.begin("Sampling the surface");
+  if (Error error = sampleSurface(*input.surface, params, input.samples, &console.progress()))
     return console.failed(error);
-  report.time("sample", console.seconds());
-  reportSplats(statistics, colors.bgr != nullptr, report);
-  console.done(std::to_string(splats.size()) + " splats");
-  if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
-  printSideNotes(statistics.sides, statistics.normals, console);
+  for (const auto& rgb : input.samples.color)
+    input.bgr.insert(input.bgr.end(), rgb.rbegin(), rgb.rend());
+  report.time("sample_surface", console.seconds());
+  report.add({{"samples", input.samples.size()}, {"sample_spacing", input.samples.spacing}});
+  console.done(counted(input.samples.size(), "point"));
+  return {};
+}
+
+/** What had no effect on the points of a scan. */
+void noteUnused(const Settings& s, const SplatStatistics& statistics, const CloudFile& cloud,
+                Console& console) {
   if (!statistics.normals_estimated &&
       (s.neighbors_given || s.scan.params.viewpoint || !s.scan.trajectory.empty())) {
     console.note(
@@ -141,6 +220,29 @@ Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& repo
   }
   if (!s.scan.use_normals && cloud.normal_source == NormalSource::kNothing)
     console.note("  -use_normals has no effect: the scan has none");
+}
+
+Error sample(Settings& s, const Input& input, Console& console, Report& report, SplatSet& splats) {
+  s.params.viewpoint = s.scan.params.viewpoint;
+  const CloudView points = input.points(s.scan.use_normals);
+  const double bytes = kBytesOfPoint * static_cast<double>(points.size);
+  const std::string work = "sampling " + std::to_string(points.size) + " points";
+  if (Error error = checkMemory(bytes, work)) return error;
+  console.begin("Sampling");
+  const ColorView colors = input.colors();
+  SplatStatistics statistics;
+  if (Error error =
+          sampleSplats(points, colors, s.params, splats, &statistics, &console.progress()))
+    return console.failed(error);
+  report.time("sample", console.seconds());
+  reportSplats(statistics, colors.bgr != nullptr, report);
+  console.done(std::to_string(splats.size()) + " splats");
+  if (colors.bgr == nullptr) {
+    console.note(std::string("  the ") + (input.surface ? "surface" : "scan") +
+                 " has no colours: shape alone decides");
+  }
+  printSideNotes(statistics.sides, statistics.normals, console);
+  if (!input.surface) noteUnused(s, statistics, *input.scan, console);
   PointStoreStatistics skipped;
   skipped.non_finite = statistics.non_finite;
   skipped.far_away = statistics.far_away;
@@ -149,11 +251,11 @@ Error sample(Settings& s, const CloudFile& cloud, Console& console, Report& repo
   return {};
 }
 
-Error lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats,
-                   Console& console, Report& report) {
+Error lookForHoles(const Settings& s, const Input& input, const SplatSet& splats, Console& console,
+                   Report& report) {
   if (s.rays == 0) return {};
   console.begin("Looking for holes");
-  const Result<PointStore> store = PointStore::build(cloud.view(false), s.params.threads);
+  const Result<PointStore> store = PointStore::build(input.points(false), s.params.threads);
   if (!store) return console.failed(store.error());
   HoleCheckParams params;
   params.rays = s.rays;
@@ -180,17 +282,21 @@ Exit run(const OptionTable& options, Settings& s) {
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.params.threads);
 
-  const Result<CloudFile> scan = loadScan(s.files.input, s.scan, console, report);
-  if (!scan) return Exit::usage(scan.error());
+  Input input;
+  if (Error error = loadInput(options, s, console, report, input)) return Exit::usage(error);
   if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
+  if (input.surface) {
+    if (Error error = sampleGiven(s, console, report, input))
+      return error.code == ErrorCode::kBadInput ? Exit::usage(error) : Exit(error);
+  }
 
   SplatSet splats;
-  if (Error error = sample(s, *scan, console, report, splats)) return error;
-  if (Error error = lookForHoles(s, *scan, splats, console, report)) return error;
+  if (Error error = sample(s, input, console, report, splats)) return error;
+  if (Error error = lookForHoles(s, input, splats, console, report)) return error;
   return saveOutput(
       s.files.output, s.files.json,
       [&] {
-        return savePointFile(s.files.output, toPointFile(splats, fileShift(scan->view(false))));
+        return savePointFile(s.files.output, toPointFile(splats, fileShift(input.points(false))));
       },
       std::to_string(splats.size()) + " splats", console, report);
 }

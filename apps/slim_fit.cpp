@@ -5,12 +5,15 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_job.h"
+#include "scan/paint_job.h"
 #include "scan/scan_files.h"
 #include "scan/tile_fit.h"
 
@@ -23,6 +26,7 @@ namespace fs = std::filesystem;
 struct Settings {
   ScanFiles files;
   FitJob job;
+  std::string paint;  ///< another cloud whose colours the surface gets, or none
   TileRequest tiles;
   SlimRounding rounding;  ///< of a .slim
 };
@@ -37,6 +41,7 @@ OptionTable declareOptions(const char* program, Settings& s) {
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
   declareColorOption(options, s.job);
+  if (s.tiles.ranks == nullptr) declarePaintOption(options, s.paint);
   declareTileOptions(options, s.tiles);
   if (s.tiles.ranks == nullptr) declarePlanOptions(options, s.tiles);
   options.number("quantize", &s.rounding.share, 0.001, 1,
@@ -62,7 +67,8 @@ Error finishSettings(const OptionTable& options, Settings& s) {
     return {ErrorCode::kBadArgument, "-color_error is of .slim files alone; name one as output"};
   if (s.rounding.share > 0.0 && !options.given("color_error"))
     s.rounding.color_error = kRoundedColors;
-  if (Error error = checkFilesDiffer(s.files, filesRead(s.job))) return error;
+  if (Error error = checkFilesDiffer(s.files, filesRead(s.job, {s.paint}))) return error;
+  s.tiles.painted = !s.paint.empty();
   if (s.tiles.ranks != nullptr && s.tiles.ranks->rank() != 0) {
     s.files.quiet = true;  // only the first rank prints and writes
     s.files.output.clear();
@@ -137,9 +143,19 @@ Exit run(const OptionTable& options, Settings& s) {
 
   const Result<CloudFile> scan = loadScan(s.files.input, s.job, console, report);
   if (!scan) return Exit::usage(scan.error());
+  std::optional<CloudFile> paint;
+  if (!s.paint.empty()) {
+    Result<CloudFile> loaded = loadPaint(s.paint, console, report);
+    if (!loaded) return Exit::usage(loaded.error());
+    paint = std::move(*loaded);
+  }
   if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
   SLIMSurface surface;
   if (Error error = fitScan(s.job, *scan, console, report, surface)) return error;
+  if (paint) {
+    if (Error error = paintSurface(*paint, s.job.params.threads, console, report, surface))
+      return error.code == ErrorCode::kBadInput ? Exit::usage(error) : Exit(error);
+  }
   if (surface.hasTextures() && lowerExtension(s.files.output) != ".slim")
     console.note("colours: one gradient a surfel in this format; .slim keeps the textures");
   return saveOutput(

@@ -11,6 +11,7 @@
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
+#include "scan/paint_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
 
@@ -28,6 +29,7 @@ struct Settings {
   MeshParams mesh;
   double tolerance_noise = 0;
   std::optional<bool> color;  ///< not given: where there are colours
+  std::string paint;          ///< another cloud whose colours the mesh gets, or none
 };
 
 void declareMeshOptions(OptionTable& options, Settings& s) {
@@ -48,7 +50,9 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
   options.toggle("color", &s.color,
                  "colour the vertices from the scan's points or, without a scan, from the surface",
                  "where there are colours");
+  declarePaintOption(options, s.paint);
   options.exclusive({"tol", "tol_noise"});
+  options.exclusive({"color", "colors"});
 }
 
 OptionTable declareOptions(Settings& s) {
@@ -71,8 +75,8 @@ Error finishSettings(Settings& s) {
   }
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkMeshExtension(s.files.output)) return error;
-  if (Error error =
-          checkPlaces(filesRead(s.job, {s.files.input, s.surface}), {s.files.output, s.files.json}))
+  if (Error error = checkPlaces(filesRead(s.job, {s.files.input, s.surface, s.paint}),
+                                {s.files.output, s.files.json}))
     return error;
   s.mesh.threads = s.job.params.threads;
   return s.mesh.validate();
@@ -82,6 +86,7 @@ Error finishSettings(Settings& s) {
 struct Input {
   std::optional<CloudFile> scan;       ///< none where the input is a surface itself
   std::optional<SLIMSurface> surface;  ///< that input, or -surface; none: to be fitted
+  std::optional<CloudFile> paint;      ///< another cloud with the colours of the mesh
 };
 
 Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
@@ -217,12 +222,24 @@ Error fitSmooth(const Settings& s, const CloudFile& scan, bool sharpened, Consol
                 Report& report, SLIMSurface& surface) {
   FitJob job = s.job;
   job.params.sharp_features = job.params.sharp_features && !sharpened;
+  job.color = !s.paint.empty();  // where that cloud has no points, the mesh has the scan's colours
   return fitScan(job, scan, console, report, surface);
+}
+
+/** Gives the surface the colours of another cloud. */
+Exit paint(const Settings& s, Console& console, Report& report, Input& input) {
+  if (!input.paint) return {};
+  const Error error = paintSurface(*input.paint, s.mesh.threads, console, report, *input.surface);
+  return error.code == ErrorCode::kBadInput ? Exit::usage(error) : Exit(error);
 }
 
 /** Colours of the scan's points or, where these have none, of the surface. */
 Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
   if (s.color == false) return {};
+  if (input.paint) {
+    mesh.colors = surfaceColors(*input.surface, mesh.vertices, mesh.normals, s.mesh.threads);
+    return {};
+  }
   const ColorView colors = input.scan ? colorsOf(*input.scan) : ColorView();
   if (colors.bgr) return colorFromPoints(input.scan->view(false), colors, s.mesh.threads, mesh);
   mesh.colors = surfaceColors(*input.surface, mesh.vertices, mesh.normals, s.mesh.threads);
@@ -236,6 +253,11 @@ Exit run(const OptionTable& options, Settings& s) {
 
   Input input;
   if (Error error = loadInput(s, console, report, input)) return Exit::usage(error);
+  if (!s.paint.empty()) {
+    Result<CloudFile> loaded = loadPaint(s.paint, console, report);
+    if (!loaded) return Exit::usage(loaded.error());
+    input.paint = std::move(*loaded);
+  }
   if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   SLIMSurface sharp;
@@ -247,6 +269,7 @@ Exit run(const OptionTable& options, Settings& s) {
     SLIMSurface& fitted = input.surface.emplace();
     if (Error error = fitSmooth(s, *input.scan, sharpened, console, report, fitted)) return error;
   }
+  if (Exit painted = paint(s, console, report, input); painted.status != kExitDone) return painted;
 
   TriangleMesh mesh;
   if (Error error =

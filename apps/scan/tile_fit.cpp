@@ -54,6 +54,10 @@ Error checkJob(const FitJob& job, const TileRequest& tiles) {
     return {ErrorCode::kBadArgument,
             option + " is not possible by tiles: leave it, or give -tile_points 0"};
   }
+  if (tiles.painted) {
+    return {ErrorCode::kBadArgument,
+            "-colors is not possible by tiles: leave it, or give -tile_points 0"};
+  }
   return streamParams(job, tiles).validate();
 }
 

@@ -19,6 +19,7 @@ namespace pcl_slim {
 struct TileRequest {
   std::uint64_t points = StreamParams().tile_points;  ///< of a tile; 0: never by tiles
   bool asked = false;                                 ///< the user gave the tile's points
+  bool painted = false;       ///< another cloud's colours are to be painted on the surface
   std::string scratch, plan;  ///< folders; plan: of a fit that can be continued, or none
   std::string range;          ///< "A:B": fit these tiles only
   std::string source_name;    ///< the scan's path, size and date: set by openForTiles()

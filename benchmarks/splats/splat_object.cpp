@@ -8,7 +8,7 @@
 #include "common/options.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/point_file.h"
-#include "splats/painted_object.h"
+#include "support/lab/painted_object.h"
 
 namespace {
 

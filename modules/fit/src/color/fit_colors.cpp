@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "color/color_fit.h"
 #include "color/texture_fit.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/leaf/detail/gates.h"
@@ -146,23 +147,6 @@ constexpr auto kGateErrors = static_cast<float>(detail::kErrorGate);      ///< r
 constexpr std::uint8_t kGrey = 128;      ///< of surfels without any point
 constexpr std::size_t kSlice = 1 << 14;  ///< points that a thread takes at a time
 
-/** Colours in the order of the store. */
-ColorColumns inStoreOrder(const PointStore& store, const CloudView& cloud, const ColorView& colors,
-                          int threads) {
-  ColorColumns columns;
-  for (auto& column : columns) column.resize(store.numBlocks() * PointStore::kBlock);
-  parallelFor((store.size() + kSlice - 1) / kSlice, threads, 1, [&](std::size_t s, int) {
-    const std::size_t end = std::min(store.size(), (s + 1) * kSlice);
-    for (std::size_t i = s * kSlice; i < end; ++i) {
-      const std::size_t input = cloud.inputIndex(store.orderOfStore()[i]);
-      const auto* bgr = static_cast<const std::uint8_t*>(colors.bgr) + input * colors.stride;
-      for (std::size_t c = 0; c < 3; ++c) columns[c][i] = bgr[2 - c];
-    }
-  });
-  for (auto& column : columns) std::fill(column.begin() + store.size(), column.end(), kGrey);
-  return columns;
-}
-
 /** Powers of u and v of the polynomial's terms. */
 constexpr std::array<std::array<int, 2>, kColorTerms> kPowers = {
     {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
@@ -215,6 +199,7 @@ class ColorFitter {
     detail::raiseWeights(points_, surface_.varianceWeight(i), weights);
   }
 
+  /** Encodes the polynomial of a surfel; without points the bytes stay as they are. */
   void fit(std::size_t i, std::uint8_t* bytes) {
     const float center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
     found_.clear();
@@ -222,13 +207,12 @@ class ColorFitter {
     takeBlocks(kMostPoints);
     ColorSums sums = sumsOf(i, true);
     if (!(sums.moments[0] > 0)) sums = sumsOf(i, false);
-    if (sums.moments[0] > 0) return encodeColor(solve(sums), bytes);
-    std::fill_n(bytes, kColorBytes, std::uint8_t{0});
-    std::fill_n(bytes, 3, kGrey);
+    if (sums.moments[0] > 0) encodeColor(solve(sums), bytes);
   }
 
  private:
-  /** The points of surfel i's sheet, as far as textures reach; a part of those of wide internal ones. */
+  /** The points of surfel i's sheet, as far as textures reach; a part of those of wide internal
+   * ones. */
   void gather(std::size_t i) {
     const SLIMSurface& s = surface_;
     const std::array<float, 3> normal{s.nx[i], s.ny[i], s.nz[i]};
@@ -277,9 +261,16 @@ class ColorFitter {
   detail::TextureFitter textures_;
 };
 
-/** Gives surfels textures where their polynomials do not follow the points' colours. */
-void fitTextures(int threads, std::vector<ColorFitter>& fitters, detail::LeadingWeights& weights,
-                 SLIMSurface& surface) {
+/** Appends a texture as it is. \return its side */
+std::uint8_t keepTexture(const SurfelTexture& texture, std::vector<std::uint8_t>& texels) {
+  texels.insert(texels.end(), texture.rgb, texture.rgb + SurfelTexture::numBytes(texture.side));
+  return static_cast<std::uint8_t>(texture.side);
+}
+
+/** Gives surfels textures where their polynomials do not follow the points' colours. \param[in]
+ * keeps whether a surfel has the texture that it has in the surface already; empty: none has */
+void fitTextures(const std::vector<char>& keeps, int threads, std::vector<ColorFitter>& fitters,
+                 detail::LeadingWeights& weights, SLIMSurface& surface) {
   constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
   const std::size_t count = surface.size(), runs = (count + kRun - 1) / kRun;
   const auto forRuns = [&](const auto& body) {
@@ -294,7 +285,9 @@ void fitTextures(int threads, std::vector<ColorFitter>& fitters, detail::Leading
   std::vector<std::uint8_t> sides(count);
   std::vector<std::vector<std::uint8_t>> parts(runs);
   forRuns([&](std::size_t i, std::size_t run, ColorFitter& fitter) {
-    sides[i] = fitter.fitTexture(i, surface.colors.data() + i * kColorBytes, parts[run]);
+    sides[i] = keeps.empty() || keeps[i] == 0
+                   ? fitter.fitTexture(i, surface.colors.data() + i * kColorBytes, parts[run])
+                   : keepTexture(surface.texture(i), parts[run]);
   });
   std::vector<std::uint8_t> texels;
   for (const auto& part : parts) texels.insert(texels.end(), part.begin(), part.end());
@@ -303,25 +296,59 @@ void fitTextures(int threads, std::vector<ColorFitter>& fitters, detail::Leading
 
 }  // namespace
 
+namespace detail {
+
+ColorColumns colorsInStoreOrder(const PointStore& store, const CloudView& cloud,
+                                const ColorView& colors, int threads) {
+  ColorColumns columns;
+  for (auto& column : columns) column.resize(store.numBlocks() * PointStore::kBlock);
+  parallelFor((store.size() + kSlice - 1) / kSlice, threads, 1, [&](std::size_t s, int) {
+    const std::size_t end = std::min(store.size(), (s + 1) * kSlice);
+    for (std::size_t i = s * kSlice; i < end; ++i) {
+      const std::size_t input = cloud.inputIndex(store.orderOfStore()[i]);
+      const auto* bgr = static_cast<const std::uint8_t*>(colors.bgr) + input * colors.stride;
+      for (std::size_t c = 0; c < 3; ++c) columns[c][i] = bgr[2 - c];
+    }
+  });
+  for (auto& column : columns) std::fill(column.begin() + store.size(), column.end(), kGrey);
+  return columns;
+}
+
+std::vector<std::uint8_t> greyColors(std::size_t surfels) {
+  std::vector<std::uint8_t> bytes(surfels * kColorBytes, 0);
+  for (std::size_t i = 0; i < surfels; ++i) std::fill_n(bytes.data() + i * kColorBytes, 3, kGrey);
+  return bytes;
+}
+
+void fitStoredColors(const PointStore& store, const ColorColumns& columns,
+                     const std::vector<char>& keeps, int threads, SLIMSurface& surface) {
+  const LabTable lab;
+  const double noise = colorNoise(store, columns, lab);
+  LeadingWeights weights(store.size());
+  std::vector<ColorFitter> fitters(static_cast<std::size_t>(threads),
+                                   ColorFitter(store, columns, surface, lab, noise, weights));
+  std::vector<std::uint8_t> bytes =
+      surface.hasColors() && !keeps.empty() ? surface.colors : greyColors(surface.size());
+  parallelFor(surface.size(), threads, 16, [&](std::size_t i, int thread) {
+    if (keeps.empty() || keeps[i] == 0)
+      fitters[static_cast<std::size_t>(thread)].fit(i, bytes.data() + i * kColorBytes);
+  });
+  surface.colors = std::move(bytes);
+  fitTextures(keeps, threads, fitters, weights, surface);
+}
+
+}  // namespace detail
+
 Error fitColors(const PointStore& store, const CloudView& cloud, const ColorView& colors,
                 int threads, SLIMSurface& surface) {
   surface.colors.clear();
+  surface.dropTextures();
   if (colors.bgr == nullptr || surface.empty()) return {};
   if (store.origin() != surface.info.origin || store.scale() != surface.info.scale)
     return badInput("the surface was not fitted to these points: fit it before its colours");
   threads = resolveThreads(threads);
-  const ColorColumns columns = inStoreOrder(store, cloud, colors, threads);
-  const LabTable lab;
-  const double noise = detail::colorNoise(store, columns, lab);
-  detail::LeadingWeights weights(store.size());
-  std::vector<ColorFitter> fitters(static_cast<std::size_t>(threads),
-                                   ColorFitter(store, columns, surface, lab, noise, weights));
-  std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
-  parallelFor(surface.size(), threads, 16, [&](std::size_t i, int thread) {
-    fitters[static_cast<std::size_t>(thread)].fit(i, bytes.data() + i * kColorBytes);
-  });
-  surface.colors = std::move(bytes);
-  fitTextures(threads, fitters, weights, surface);
+  const ColorColumns columns = detail::colorsInStoreOrder(store, cloud, colors, threads);
+  detail::fitStoredColors(store, columns, {}, threads, surface);
   return {};
 }
 

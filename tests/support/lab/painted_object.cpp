@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "splats/painted_object.h"
+#include "support/lab/painted_object.h"
 
 #include <Eigen/Core>
 #include <algorithm>
