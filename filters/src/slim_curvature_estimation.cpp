@@ -20,12 +20,13 @@ void SLIMProjectionBase::clearResults() {
 }
 
 bool SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted, FitParams fit,
-                                 const ProjectionParams& requested, CloudProjection& projection) {
+                                 const ProjectionParams& requested, CloudProjection& projection,
+                                 const ColorView& colors) {
   const CancellableRun cancellable(control_.progress);
   error_ = fit.validate();
   if (error_) return false;
   const bool done = guarded("the projection", "process fewer points", [&] {
-    return fitAndProject(points, fitted, fit, requested, projection);
+    return fitAndProject(points, {fitted, colors}, &points == &fitted, fit, requested, projection);
   });
   if (!done) {
     fitted_surface_.reset();
@@ -56,12 +57,12 @@ bool SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionPa
   });
 }
 
-Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
+Error SLIMProjectionBase::fitAndProject(const CloudView& points, const ScanView& fitted, bool same,
                                         const FitParams& fit, const ProjectionParams& requested,
                                         CloudProjection& projection) {
   const SurfaceConstPtr given = given_surface_;
   if (!given) {
-    auto made = projectOnFit(points, fitted, fit, requested);
+    auto made = projectOnFit(points, fitted, same, fit, requested);
     if (!made) return made.error();
     projection = std::move(*made);
     return {};
@@ -76,11 +77,11 @@ Error SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView
 }
 
 Result<CloudProjection> SLIMProjectionBase::projectOnFit(const CloudView& points,
-                                                         const CloudView& fitted,
+                                                         const ScanView& fitted, bool same,
                                                          const FitParams& fit,
                                                          const ProjectionParams& requested) {
   FittedScan scan;
-  const Error error = fitAndKeep({fitted, {}}, fit, scan);
+  const Error error = fitAndKeep(fitted, fit, scan);
   // Points that are no surface may stay as they are: they are projected onto an empty one.
   if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
   no_surface_ = static_cast<bool>(error);
@@ -91,7 +92,7 @@ Result<CloudProjection> SLIMProjectionBase::projectOnFit(const CloudView& points
   const auto surface = std::make_shared<const SLIMSurface>(std::move(scan.surface));
   if (!error) fitted_surface_ = surface;
   return projectScan(points, *surface, SurfaceOrigin::kFitted, fit, requested, &control_.progress,
-                     &points == &fitted ? &scan.store : nullptr);
+                     same ? &scan.store : nullptr);
 }
 
 }  // namespace pcl_slim

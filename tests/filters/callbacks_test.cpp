@@ -11,12 +11,14 @@
 
 #include "filters/door_suite.h"
 #include "pcl_slim/filters/color_octree_splat_sampler.h"
+#include "pcl_slim/filters/slim_colorizer.h"
 #include "pcl_slim/filters/slim_crest_lines.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
 #include "pcl_slim/filters/slim_fit.h"
 #include "pcl_slim/filters/slim_mesh_smoother.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 #include "pcl_slim/filters/slim_reconstruction.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim {
 namespace {
@@ -68,6 +70,17 @@ std::vector<Runner> runners() {
   all.push_back(runnerOf("lines", lines, [lines] {
     pcl::PointCloud<PointCrest> made;
     lines->compute(made);
+  }));
+  const auto colorizer = std::make_shared<SLIMColorizer<Plain>>();
+  SLIMFit<Plain> painted;
+  painted.setInputCloud(bumpySphere<Plain>(3000));
+  SLIMSurface surface;
+  EXPECT_TRUE(painted.fit(surface)) << painted.getError().message;
+  surface.colors.assign(surface.size() * kColorBytes, 1);
+  colorizer->setSurface(surface);
+  all.push_back(runnerOf("colorizer", colorizer, [colorizer] {
+    pcl::PointCloud<pcl::PointXYZRGB> made;
+    colorizer->colorize(made);
   }));
   const auto mesh = std::make_shared<SLIMReconstruction<Plain>>();
   all.push_back(runnerOf("reconstruction", mesh, [mesh] {

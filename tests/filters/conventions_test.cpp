@@ -11,6 +11,7 @@
 #include "pcl_slim/filters/color_octree_splat_sampler.h"
 #include "pcl_slim/filters/estimated_normals.h"
 #include "pcl_slim/filters/io/mesh_conversion.h"
+#include "pcl_slim/filters/slim_colorizer.h"
 #include "pcl_slim/filters/slim_crest_lines.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
 #include "pcl_slim/filters/slim_fit.h"
@@ -27,6 +28,7 @@ using Smoother = SLIMProjectionSmoother<P, pcl::PointNormal>;
 using Curvature = SLIMCurvatureEstimation<P>;
 using Reconstruction = SLIMReconstruction<P>;
 using Sampler = ColorOctreeSplatSampler<P>;
+using Colorizer = SLIMColorizer<P>;
 
 /** What calling a member of a class returns. */
 template <typename Class, typename... Arguments>
@@ -47,6 +49,8 @@ static_assert(std::is_same_v<bool, ComputeOf<SLIMCrestLines<P>, CrestLines&>>);
 static_assert(std::is_same_v<bool, ComputeOf<SLIMCrestLines<P>, pcl::PointCloud<PointCrest>&>>);
 static_assert(std::is_same_v<bool, ComputeOf<Curvature, pcl::PointCloud<PointCurvature>&>>);
 static_assert(std::is_same_v<bool, ProcessOf<SLIMMeshSmoother, pcl::PolygonMesh&>>);
+static_assert(std::is_same_v<bool, decltype(std::declval<Colorizer&>().colorize(
+                                       std::declval<pcl::PointCloud<pcl::PointXYZRGB>&>()))>);
 static_assert(std::is_same_v<bool, FilterOf<Sampler, pcl::PointCloud<P>&>>);
 static_assert(std::is_same_v<bool, FilterOf<Sampler, pcl::Indices&>>);
 static_assert(std::is_same_v<bool, SampleOf<Sampler, SplatSet&>>);
@@ -58,7 +62,7 @@ static_assert(std::is_same_v<void, decltype(std::declval<Reconstruction&>().reco
 template <typename Class>
 class FitClasses : public testing::Test {};
 using AllThatFit = testing::Types<SLIMFit<P>, SLIMCrestLines<P>, Curvature, Smoother,
-                                  Reconstruction, SLIMMeshSmoother>;
+                                  Reconstruction, SLIMMeshSmoother, Colorizer>;
 TYPED_TEST_SUITE(FitClasses, AllThatFit);
 
 TYPED_TEST(FitClasses, TheLastOfParametersThatExcludeEachOtherCounts) {
@@ -120,8 +124,8 @@ TEST(Conventions, TheLastBudgetOfASamplerCounts) {
 
 template <typename Class>
 class SurfaceClasses : public testing::Test {};
-using AllThatTakeASurface =
-    testing::Types<SLIMCrestLines<P>, Curvature, Smoother, Reconstruction, SLIMMeshSmoother>;
+using AllThatTakeASurface = testing::Types<SLIMCrestLines<P>, Curvature, Smoother, Reconstruction,
+                                           SLIMMeshSmoother, Colorizer>;
 TYPED_TEST_SUITE(SurfaceClasses, AllThatTakeASurface);
 
 TYPED_TEST(SurfaceClasses, ShareASurfaceOrCopyIt) {

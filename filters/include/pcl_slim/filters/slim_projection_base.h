@@ -12,9 +12,9 @@
 
 namespace pcl_slim {
 
-/** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
- * of a fit, a surface to use in its place, and the results for the points. A given surface that
- * supports less than a tenth of the points is refused as another object's. */
+/** \brief What SLIMProjectionSmoother, SLIMCurvatureEstimation and SLIMColorizer have in common:
+ * every parameter of a fit, a surface to use in its place, and the results for the points. A given
+ * surface that supports less than a tenth of the points is refused as another object's. */
 class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase, public GivenSurface {
  public:
   // Results --------------------------------------------------------------------------------------
@@ -48,18 +48,21 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase, public GivenSurfa
 
   /** \brief Fits, unless a surface is given, and projects.
    * \param[in] points what to project; \param[in] fitted what to fit to, the same object if it is
-   * the same cloud; \param[in] fit parameters, those of the setters but for what a class adds. */
+   * the same cloud; \param[in] fit parameters, those of the setters but for what a class adds;
+   * \param[in] colors of the fitted points, which a fitted surface gets, or none. */
   bool project(const CloudView& points, const CloudView& fitted, FitParams fit,
-               const ProjectionParams& requested, CloudProjection& projection);
+               const ProjectionParams& requested, CloudProjection& projection,
+               const ColorView& colors = {});
 
   /** \brief Projects other points onto the surface of the last run. */
   bool projectMore(const CloudView& points, const ProjectionParams& requested,
                    CloudProjection& projection);
 
  private:
-  Error fitAndProject(const CloudView& points, const CloudView& fitted, const FitParams& fit,
-                      const ProjectionParams& requested, CloudProjection& projection);
-  Result<CloudProjection> projectOnFit(const CloudView& points, const CloudView& fitted,
+  Error fitAndProject(const CloudView& points, const ScanView& fitted, bool same,
+                      const FitParams& fit, const ProjectionParams& requested,
+                      CloudProjection& projection);
+  Result<CloudProjection> projectOnFit(const CloudView& points, const ScanView& fitted, bool same,
                                        const FitParams& fit, const ProjectionParams& requested);
 
   bool keeps_points_;

@@ -91,6 +91,9 @@ class PCL_SLIM_EXPORT CloudProjection {
    * place is its own and curvatures are NaN; the normal is its own too, if it has one, or with
    * ProjectionParams::planes that of its neighbours, on their side; otherwise NaN. */
   ProjectedPoint point(std::size_t i) const;
+  /** \brief The surface's own unit normal at the i-th selected point, which must be supported: on
+   * the surface's side, whatever the point's normal or the viewpoint. */
+  std::array<float, 3> surfaceNormal(std::size_t i) const { return projection_.normal[stored_[i]]; }
   /** \brief Such a point of which nothing is known but that it is somewhere: all else is NaN. */
   static ProjectedPoint unknownPoint(const std::array<double, 3>& place);
 
