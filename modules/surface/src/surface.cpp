@@ -221,7 +221,9 @@ void SLIMSurface::dropTrimMaps() {
 
 void SLIMSurface::setTextures(const std::vector<std::uint8_t>& sides,
                               const std::vector<std::uint8_t>& texels) {
+  constexpr std::size_t kMostBytes = 0xffffffffu;  // offsets have 32 bits
   dropTextures();
+  if (texels.size() > kMostBytes - sides.size()) return;
   if (std::all_of(sides.begin(), sides.end(), [](std::uint8_t side) { return side == 0; })) return;
   texture_begin.resize(size() + 1);
   textures.reserve(texels.size() + sides.size());

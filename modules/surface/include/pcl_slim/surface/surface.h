@@ -156,7 +156,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
   void dropTrimMaps();
 
   /** \brief Gives the surfels textures in place of those they have. \param[in] sides size() values,
-   * 0 for surfels without one \param[in] texels those of the others, one after another */
+   * 0 for surfels without one \param[in] texels those of the others, one after another; of more than
+   * 4 GiB in all, none is kept */
   void setTextures(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& texels);
   /** \brief Leaves the surfels their polynomials. */
   void dropTextures();
