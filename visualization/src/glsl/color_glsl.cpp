@@ -31,7 +31,7 @@ vec3 slimPolynomial(float terms[20], float u, float v)
 const char* const kPlainColors = R"(
 float slimColorWeight(float s2) { return slimWeight(s2); }
 
-vec3 slimColor(float terms[20], float u, float v, float s2) { return slimPolynomial(terms, u, v); }
+vec3 slimColor(float terms[20], float u, float v, float s2, float width) { return slimPolynomial(terms, u, v); }
 )";
 
 const char* const kTextureColors = R"(
@@ -57,11 +57,24 @@ vec3 slimTextureColor(int where, int side, float u, float v)
              mix(slimTextureTexel(above), slimTextureTexel(above + next), part.x), part.y);
 }
 
-vec3 slimColor(float terms[20], float u, float v, float s2)
+// The mean over a square, which a pixel shows that is wider than texels. width: in radii.
+vec3 slimMeanColor(int where, int side, float u, float v, float width)
+{
+  float texels = 0.5 * float(side) * width / kTextureReach;
+  int taps = texels > 1.0 ? min(int(texels) + 1, 4) : 1;
+  float step = width / float(taps), first = 0.5 * (step - width);
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < taps * taps; ++k) {
+    sum += slimTextureColor(where, side, u + first + step * float(k % taps), v + first + step * float(k / taps));
+  }
+  return sum / float(taps * taps);
+}
+
+vec3 slimColor(float terms[20], float u, float v, float s2, float width)
 {
   int rest = int(terms[19]), side = rest % 256;
   if (side == 0 || slimOwn2(s2) >= kTextureReach * kTextureReach) return slimPolynomial(terms, u, v);
-  return slimTextureColor(65536 * int(terms[18]) + rest / 256, side, slimPart.z * u, slimPart.z * v);
+  return slimMeanColor(65536 * int(terms[18]) + rest / 256, side, slimPart.z * u, slimPart.z * v, slimPart.z * width);
 }
 )";
 
@@ -86,7 +99,8 @@ void main()
   float terms[20];
   slimReadColor(terms);
   vec3 q = leaf.point + s * direction;
-  vec3 color = slimColor(terms, dot(q, leaf.u), dot(q, leaf.v), s2);
+  float pixel = slimScreen.x * (slimScreen.w > 0.0 ? 1.0 : abs(shown.w) / slimScale);
+  vec3 color = slimColor(terms, dot(q, leaf.u), dot(q, leaf.v), s2, pixel / leaf.radius);
   // Times 256: as half floats, weights of other sheets would be 0.
   gl_FragData[0] = 256.0 * w * vec4(clamp(color / 255.0, 0.0, 1.0), 1.0);
 }
