@@ -79,6 +79,26 @@ Comparison compare(const GBuffer& points, const GBuffer& surface) {
   return {other / own, sum / both};
 }
 
+/** Seconds of a frame, without colours and with them. */
+struct FrameSeconds {
+  double bare = 0, colored = 0;
+};
+
+/** Draws a surface in its colours. \param[out] seconds of second frames: the first builds indices */
+Error draw(const SLIMSurface& surface, const Camera& camera, GBuffer& made, FrameSeconds& seconds) {
+  SurfaceRenderer renderer(surface);
+  RenderParams plain, colored;
+  colored.columns |= kColorColumn;
+  if (Error error = renderer.render(camera, colored, made)) return error;
+  const Stopwatch first;
+  if (Error error = renderer.render(camera, plain, made)) return error;
+  seconds.bare = first.seconds();
+  const Stopwatch second;
+  if (Error error = renderer.render(camera, colored, made)) return error;
+  seconds.colored = second.seconds();
+  return {};
+}
+
 }  // namespace
 
 Error printScan(const std::string& path, const std::string& pictures) {
@@ -100,23 +120,8 @@ Error printScan(const std::string& path, const std::string& pictures) {
   camera = fitCamera(object, view, {size, size});
   if (Error error = renderDiscs(points, camera, {}, truth)) return error;
 
-  RenderParams params;
-  params.columns |= kColorColumn;
-  const auto draw = [&](double& seconds, double& colored) -> Error {
-    SurfaceRenderer renderer(fitted.surface);
-    RenderParams plain = params;
-    plain.columns &= ~kColorColumn;
-    if (Error error = renderer.render(camera, params, made)) return error;  // builds the index
-    const Stopwatch first;
-    if (Error error = renderer.render(camera, plain, made)) return error;
-    seconds = first.seconds();
-    const Stopwatch second;
-    if (Error error = renderer.render(camera, params, made)) return error;
-    colored = second.seconds();
-    return {};
-  };
-  double frame = 0, with = 0, without = 0;
-  if (Error error = draw(frame, with)) return error;
+  FrameSeconds with, without;
+  if (Error error = draw(fitted.surface, camera, made, with)) return error;
   const Comparison textured = compare(truth, made);
   if (!pictures.empty()) {
     if (Error error = save(made, pictures + "_textures.png")) return error;
@@ -127,7 +132,7 @@ Error printScan(const std::string& path, const std::string& pictures) {
              rounded = encodeSlim(fitted.surface, {0.0, 2}).size();
   fitted.surface.dropTextures();
   const auto bare = encodeSlim(fitted.surface).size();
-  if (Error error = draw(frame, without)) return error;
+  if (Error error = draw(fitted.surface, camera, made, without)) return error;
   const Comparison plain = compare(truth, made);
   if (!pictures.empty()) {
     if (Error error = save(made, pictures + "_polynomials.png")) return error;
@@ -139,8 +144,8 @@ Error printScan(const std::string& path, const std::string& pictures) {
       path.substr(path.rfind('/') + 1).c_str(), points.size(), plain.sharpness, textured.sharpness,
       plain.difference, textured.difference, static_cast<double>(textures.texels) / count,
       static_cast<double>(exact - bare) / count, static_cast<double>(rounded - bare) / count,
-      fit_seconds, fitted.color_seconds, 1e3 * frame, 1e3 * (without - frame),
-      1e3 * (with - frame));
+      fit_seconds, fitted.color_seconds, 1e3 * with.bare, 1e3 * (without.colored - without.bare),
+      1e3 * (with.colored - with.bare));
   return {};
 }
 

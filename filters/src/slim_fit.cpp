@@ -47,9 +47,11 @@ bool ControlledRun::fail(ErrorCode code, const std::string& message) {
   return false;
 }
 
-void ControlledRun::warnOfSides(SideSource source, const NormalAgreement& normals) {
+void ControlledRun::warnOfSides(SideSource source, const NormalAgreement& normals) try {
   for (const std::string& note : sideNotes(source, normals, "setViewPoint(x, y, z)"))
     addWarning(note);
+} catch (const std::bad_alloc&) {
+  // The result is there; short of memory, it comes without the warning.
 }
 
 bool ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),

@@ -53,13 +53,15 @@ idle 'line_slope ' -lines crest -line_slope 9 -line_curvature 5 -line_length 4
 idle 'lod ' -mode raytraced -lod 2 -lights 30,40
 idle 'hole ' -trim 0 -hole 9
 idle 'aa ' -mode sketch
-# Colours: the scan's, the same from every format and for any threads, chosen where there are any; traced, too;
-# none without a scan's.
+# Colours: the scan's, the same for any threads, chosen where there are any; without textures from other formats than
+# .slim; traced, too; none without a scan's.
 expect 0 '' pcl_slim_render surface.slim color.png $small -mode color -threads 1
 differ shaded.png color.png
 same automatic.png color.png
-expect 0 '' pcl_slim_render surface.pcd again.png $small -mode color -threads 3
+expect 0 '' pcl_slim_render surface.slim again.png $small -mode color -threads 3
 same color.png again.png
+expect 0 '' pcl_slim_render surface.pcd again.png $small -mode color
+differ color.png again.png
 expect 0 '' pcl_slim_render surface.slim bare.png $small -mode color -lighting 0
 differ color.png bare.png
 expect 0 '' pcl_slim_fit scan.pcd grey.slim -color 0

@@ -46,10 +46,10 @@ awk 'BEGIN { n = 3000
     z = (i + .5) / n; r = sqrt(1 - z * z); a = i * 2.399963229728653
     printf "%.6f %.6f %.6f %d\n", 5 * r * cos(a), 5 * r * sin(a), 5 * z, int(40 + 200 * z) * 65536 + 50
   } }' > colored.pcd
-"$bin/pcl_slim_fit" colored.pcd colored.ply -quiet 1 || complain "pcl_slim_fit failed"
+"$bin/pcl_slim_fit" colored.pcd colored.slim -quiet 1 || complain "pcl_slim_fit failed"
 expect 0 '' colored.pcd h.pcd -number 400
 header h.pcd 'FIELDS x y z normal_x normal_y normal_z curvature mean_curvature gaussian_curvature rgb'
-expect 0 '' colored.ply i.pcd -number 400 -threads 1
+expect 0 '' colored.slim i.pcd -number 400 -threads 1
 same h.pcd i.pcd
 tail -c 16000 h.pcd | od -An -v -t f4 -w40 | awk '{ print $3 }' > z.txt
 tail -c 16000 h.pcd | od -An -v -t u1 -w40 | awk '{ print $37, $38, $39 }' | paste -d' ' z.txt - | awk '{

@@ -75,7 +75,7 @@ Error SurfaceRenderer::closeGaps(const Camera& camera, const RenderParams& param
   if (closesGaps(params)) state_->gaps.close(camera, params, threads, buffer);
   for (const std::size_t i : drawn) buffer.surfel[i] = GBuffer::kNothing;
   if (params.columns & kResidualColumn) lookUpResiduals(state_->surface, threads, buffer);
-  if (params.columns & kColorColumn) state_->painter.paint(threads, buffer);
+  if (params.columns & kColorColumn) state_->painter.paint(camera, threads, buffer);
   return {};
 }
 
@@ -99,7 +99,7 @@ Error SurfaceRenderer::render(const Camera& camera, const RenderParams& params, 
     counts.covered_pixels += counts.closed_pixels;
   }
   if (columns & kResidualColumn) lookUpResiduals(state_->surface, threads, buffer);
-  if (columns & kColorColumn) state_->painter.paint(threads, buffer);
+  if (columns & kColorColumn) state_->painter.paint(camera, threads, buffer);
   if (statistics) *statistics = counts;
   return {};
 }

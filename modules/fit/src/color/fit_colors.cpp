@@ -271,7 +271,7 @@ std::uint8_t keepTexture(const SurfelTexture& texture, std::vector<std::uint8_t>
  * keeps whether a surfel has the texture that it has in the surface already; empty: none has */
 void fitTextures(const std::vector<char>& keeps, int threads, std::vector<ColorFitter>& fitters,
                  detail::LeadingWeights& weights, SLIMSurface& surface) {
-  constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
+  constexpr std::size_t kRun = 4;  ///< surfels a thread takes at a time; no result depends on it
   const std::size_t count = surface.size(), runs = (count + kRun - 1) / kRun;
   const auto forRuns = [&](const auto& body) {
     parallelFor(runs, threads, 1, [&](std::size_t run, int thread) {

@@ -21,13 +21,14 @@ constexpr double kQuietest = 0.1;        ///< share of groups that are taken for
 constexpr double kMedianOfVariance = 0.5;
 
 /** Colour of a polynomial at a place, 0..255. */
-std::array<float, 3> colorAt(const ColorPolynomial& color, float u, float v) {
-  const std::array<float, 6> terms = {1.0f, u, v, u * u, u * v, v * v};
-  std::array<float, 3> sum{};
-  for (std::size_t k = 0; k < terms.size(); ++k)
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += color[k][c] * terms[k];
-  for (float& value : sum) value = std::clamp(value, 0.0f, 255.0f);
-  return sum;
+std::array<float, 3> colorAt(const ColorPolynomial& p, float u, float v) {
+  std::array<float, 3> color;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float value =
+        p[0][c] + u * (p[1][c] + u * p[3][c] + v * p[4][c]) + v * (p[2][c] + v * p[5][c]);
+    color[c] = std::min(std::max(value, 0.0f), 255.0f);
+  }
+  return color;
 }
 
 /** The texels around a place, and their weights. */
@@ -166,8 +167,10 @@ struct TextureFitter::Metric {
   }
 };
 
-/** Takes the points of the disc at which this leaf's colours count. \return those of the disc */
-std::size_t TextureFitter::takePoints(const SheetPoints& points, float variance_weight) {
+/** Takes the points of the disc at which this leaf's colours count, and what the polynomial leaves of
+ * their colours. \return the number of all points of the disc */
+std::size_t TextureFitter::takePoints(const SheetPoints& points, const ColorPolynomial& polynomial,
+                                      float variance_weight) {
   places_.clear();
   values_.clear();
   std::array<double, 3> sum{};
@@ -182,13 +185,14 @@ std::size_t TextureFitter::takePoints(const SheetPoints& points, float variance_
       std::memcpy(&leading, &bits, sizeof leading);
       if (weightAt(points, i, variance_weight) < kTextures.least_share * leading) continue;
     }
-    Even own;
+    Even rest = colorAt(polynomial, points.u[i], points.v[i]);
     for (std::size_t c = 0; c < 3; ++c) {
-      own[c] = colors_[c][points.index[i]];
-      sum[c] += own[c];
+      const float own = colors_[c][points.index[i]];
+      rest[c] = own - rest[c];
+      sum[c] += own;
     }
     places_.push_back({x, y});
-    values_.push_back(own);
+    values_.push_back(rest);
   }
   const auto count = static_cast<double>(std::max<std::size_t>(places_.size(), 1));
   for (std::size_t c = 0; c < 3; ++c) mean_[c] = static_cast<float>(sum[c] / count);
@@ -202,23 +206,6 @@ bool TextureFitter::deviates(float count, double square) const {
   const double tolerance_sq = kTextures.tolerance * kTextures.tolerance;
   return square >
          count * (tolerance_sq + noise_ * (1 + kTextures.deviations / std::sqrt(count - 1)));
-}
-
-/** Whether a polynomial leaves more of the points' colours than that. */
-bool TextureFitter::deviatesFrom(const std::uint8_t* color, const Metric& metric) const {
-  const ColorPolynomial polynomial = decodeColor(color);
-  double square = 0;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    std::array<float, 3> difference = colorAt(polynomial, SurfelTexture::kReach * places_[i][0],
-                                              SurfelTexture::kReach * places_[i][1]);
-    for (std::size_t c = 0; c < 3; ++c) difference[c] -= mean_[c];
-    difference = Metric::times(metric.to, difference);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double d = difference[c] - values_[i][c];
-      square += d * d;
-    }
-  }
-  return deviates(static_cast<float>(places_.size()), square);
 }
 
 /** The sums over the cells of all levels, from side x side texels up to one cell. */
@@ -364,14 +351,16 @@ void TextureFitter::sharpen() {
 
 int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, float variance_weight,
                        std::vector<std::uint8_t>& texels) {
-  const std::size_t inside = takePoints(points, variance_weight);
+  const ColorPolynomial polynomial = decodeColor(color);
+  const std::size_t inside = takePoints(points, polynomial, variance_weight);
   if (static_cast<float>(places_.size()) < kTextures.least_points) return 0;
   const Metric metric(lab_, mean_);
+  double square = 0;
   for (Even& value : values_) {
-    for (std::size_t c = 0; c < 3; ++c) value[c] -= mean_[c];
     value = Metric::times(metric.to, value);
+    square += value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
   }
-  if (!deviatesFrom(color, metric)) return 0;
+  if (!deviates(static_cast<float>(places_.size()), square)) return 0;
   const double spacing = std::sqrt(M_PI / static_cast<double>(inside));  // [reach]
   const int side =
       std::clamp(static_cast<int>(std::lround(2 / (kTextures.finest * spacing))), 2,
@@ -380,11 +369,16 @@ int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, flo
   divide();
   fillGaps();
   for (int k = 0; k < kTextures.sharpenings; ++k) sharpen();
-  for (const Even& texel : levels_[0].colors) {
-    const auto offset = Metric::times(metric.from, texel);
+  const float texel = 2 * SurfelTexture::kReach / static_cast<float>(side);
+  const auto middleOf = [&](int k) {
+    return texel * (static_cast<float>(k) + 0.5f) - SurfelTexture::kReach;
+  };
+  for (int k = 0; k < side * side; ++k) {
+    const auto base = colorAt(polynomial, middleOf(k % side), middleOf(k / side)),
+               rest = Metric::times(metric.from, levels_[0].colors[static_cast<std::size_t>(k)]);
     for (std::size_t c = 0; c < 3; ++c)
       texels.push_back(
-          static_cast<std::uint8_t>(std::lround(std::clamp(mean_[c] + offset[c], 0.0f, 255.0f))));
+          static_cast<std::uint8_t>(std::lround(std::clamp(base[c] + rest[c], 0.0f, 255.0f))));
   }
   return side;
 }

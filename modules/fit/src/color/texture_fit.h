@@ -11,6 +11,7 @@
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/cielab.h"
 #include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_color.h"
 #include "trim/trim.h"
 
 namespace pcl_slim::detail {
@@ -44,8 +45,9 @@ double colorNoise(const PointStore& store, const ColorColumns& colors, const Lab
  *
  * The criterion of colour octrees (Kim, Pajarola, Lee) on a quadtree over the surfel's plane: cells
  * are divided while the colours of their points deviate by more than the tolerance and the noise,
- * down to the spacing of the points. A divided cell's children have the mean colours of their
- * points; the others are interpolated, so that noise is averaged where nothing varies.
+ * down to the spacing of the points. A divided cell's children have what the polynomial
+ * leaves of their points' colours on average; the others are interpolated, so that noise is averaged
+ * where nothing varies.
  */
 class TextureFitter {
  public:
@@ -75,9 +77,9 @@ class TextureFitter {
   };
   struct Metric;
 
-  std::size_t takePoints(const SheetPoints& points, float variance_weight);
+  std::size_t takePoints(const SheetPoints& points, const ColorPolynomial& polynomial,
+                         float variance_weight);
   bool deviates(float count, double square) const;
-  bool deviatesFrom(const std::uint8_t* color, const Metric& metric) const;
   void sumUp(int side);
   void divide();
   void fillGaps();

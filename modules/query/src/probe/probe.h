@@ -56,9 +56,9 @@ void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRule
 
 /** Adds a leaf's colour at the places in its ball. It counts in full where its polynomial passes
  * within kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet.
- * \param[in] width over which textures are averaged, local units */
+ * \param[in] widths over which textures are averaged, local units; or null */
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               float width, BlockColors& colors);
+               const float* widths, BlockColors& colors);
 
 /** Like principalCurvatures(), in single precision and for sixteen points together. */
 void findPrincipals(const BlockSums& sums, BlockPrincipals& principals);

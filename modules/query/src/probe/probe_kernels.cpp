@@ -127,7 +127,7 @@ HWY_INLINE Vec textureWeight(Vec s_sq, Vec blend) {
 
 /** Adds the colours that a leaf's texture has at the near ones of a vector of places. */
 void addTextureColors(const SurfelTexture& texture, const Local& p, Mask near, Vec weight,
-                      float width, std::size_t first, BlockColors& colors) {
+                      float radius, const float* widths, std::size_t first, BlockColors& colors) {
   const Tag d;
   alignas(64) float u[16], v[16], w[16];
   Store(p.u, d, u);
@@ -135,13 +135,13 @@ void addTextureColors(const SurfelTexture& texture, const Local& p, Mask near, V
   Store(IfThenElseZero(near, weight), d, w);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
     if (!(w[k] > 0)) continue;
-    const auto color = texture.meanAt(u[k], v[k], width);
+    const auto color = texture.meanAt(u[k], v[k], widths ? widths[first + k] / radius : 0.0f);
     for (std::size_t c = 0; c < 3; ++c) colors.sum[c][first + k] += w[k] * color[c];
   }
 }
 
 template <int D, WeightKernel K>
-void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, float width,
+void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, const float* widths,
                  BlockColors& colors) {
   static_assert(kColorDegree == 2, "the terms below are those of degree 2");
   const Tag d;
@@ -169,7 +169,7 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, float width,
     Mask plain = near;
     if (!leaf.texture.empty()) {
       const Mask inner = s_sq < set(SurfelTexture::kReach * SurfelTexture::kReach);
-      addTextureColors(leaf.texture, p, And(near, inner), weight, width / leaf.radius, i, colors);
+      addTextureColors(leaf.texture, p, And(near, inner), weight, leaf.radius, widths, i, colors);
       plain = AndNot(inner, near);
       if (AllFalse(d, plain)) continue;
     }
@@ -185,10 +185,10 @@ void addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, float width,
 }
 
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               float width, BlockColors& colors) {
+               const float* widths, BlockColors& colors) {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
     forKernel(rules.kernel, [&](auto kernel) HWY_ATTR {
-      addColorsOf<degree(), kernel()>(points, leaf, width, colors);
+      addColorsOf<degree(), kernel()>(points, leaf, widths, colors);
     });
   });
 }
@@ -251,8 +251,8 @@ void addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRule
 
 HWY_EXPORT(addColors);
 void addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-               float width, BlockColors& colors) {
-  HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, width, colors);
+               const float* widths, BlockColors& colors) {
+  HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, widths, colors);
 }
 
 HWY_EXPORT(findPrincipals);

@@ -392,7 +392,7 @@ void SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDist
 }
 
 void SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size_t count,
-                          std::array<float, 3>* colors, float width) {
+                          std::array<float, 3>* colors, const float* widths) {
   std::fill(colors, colors + count, std::array<float, 3>{-1.0f, -1.0f, -1.0f});
   if (count == 0 || !index_.surface_.hasColors()) return;
   ++num_requests_;
@@ -409,7 +409,7 @@ void SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size
     points.nz = s.nz;
   }
   s.colors = BlockColors{};
-  for (const BlockLeaf* leaf : s.near) kernels::addColors(points, *leaf, rules, width, s.colors);
+  for (const BlockLeaf* leaf : s.near) kernels::addColors(points, *leaf, rules, widths, s.colors);
   for (std::size_t i = 0; i < count; ++i) {
     const float weight = s.colors.weight[i];
     for (std::size_t c = 0; c < 3 && weight > 0; ++c) colors[i][c] = s.colors.sum[c][i] / weight;

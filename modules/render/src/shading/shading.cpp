@@ -27,10 +27,11 @@ static_assert(kSide * kSide <= static_cast<int>(SurfaceProbe::kMost));
 /** The covered pixels of one block. */
 struct PixelBlock {
   std::array<Vector3, SurfaceProbe::kMost> places, sides;
+  std::array<float, SurfaceProbe::kMost> widths{};  ///< of the pixels, local units
   std::array<std::size_t, SurfaceProbe::kMost> pixels;
   std::size_t count = 0;
 
-  PixelBlock(const GBuffer& buffer, int x0, int y0) {
+  PixelBlock(const GBuffer& buffer, const CameraRays& rays, int x0, int y0) {
     for (int y = y0; y < std::min(buffer.height, y0 + kSide); ++y) {
       for (int x = x0; x < std::min(buffer.width, x0 + kSide); ++x) {
         const std::size_t pixel = buffer.index(x, y);
@@ -40,44 +41,34 @@ struct PixelBlock {
         const double sign = buffer.back_face[pixel] ? -1.0 : 1.0;
         places[count] = {p[0], p[1], p[2]};
         sides[count] = {sign * n[0], sign * n[1], sign * n[2]};
+        widths[count] =
+            static_cast<float>(rays.pixelAtEye() + rays.pixelPerDepth() * buffer.depth[pixel]);
         pixels[count++] = pixel;
-        widen(buffer, pixel, x + 1 < buffer.width ? buffer.index(x + 1, y) : pixel);
-        widen(buffer, pixel, y + 1 < buffer.height ? buffer.index(x, y + 1) : pixel);
       }
     }
-  }
-
-  /** \brief Least distance of neighbouring pixels' places: about a pixel's width; 0: unknown. */
-  float width = 0;
-
- private:
-  void widen(const GBuffer& buffer, std::size_t pixel, std::size_t next) {
-    if (next == pixel || !buffer.covered(next)) return;
-    const auto &a = buffer.position[pixel], &b = buffer.position[next];
-    const float distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    width = width > 0 ? std::min(width, distance) : distance;
   }
 };
 
 }  // namespace
 
-void SurfacePainter::paint(int threads, GBuffer& buffer) {
+void SurfacePainter::paint(const Camera& camera, int threads, GBuffer& buffer) {
   buffer.color.clear();
   if (!surface_.hasColors()) return;
   if (!index_) index_ = std::make_unique<ProbeIndex>(surface_);
   buffer.color.assign(buffer.numPixels(), {1.0f, 1.0f, 1.0f});
   std::deque<SurfaceProbe> probes;
   for (int t = 0; t < threads; ++t) probes.emplace_back(*index_);
+  const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
   const auto rows = static_cast<std::size_t>((buffer.height + kSide - 1) / kSide);
   parallelFor(rows, threads, 1, [&](std::size_t row, int thread) {
     SurfaceProbe& probe = probes[static_cast<std::size_t>(thread)];
     std::array<std::array<float, 3>, SurfaceProbe::kMost> colors;
     for (int x = 0; x < buffer.width; x += kSide) {
-      const PixelBlock block(buffer, x, static_cast<int>(row) * kSide);
+      const PixelBlock block(buffer, rays, x, static_cast<int>(row) * kSide);
       if (block.count == 0) continue;
       probe.restart(0);  // no result depends on the blocks before
       probe.colors(block.places.data(), block.sides.data(), block.count, colors.data(),
-                   block.width);
+                   block.widths.data());
       for (std::size_t i = 0; i < block.count; ++i) {
         for (std::size_t c = 0; c < 3 && colors[i][c] >= 0.0f; ++c)
           buffer.color[block.pixels[i]][c] = colors[i][c] / 255.0f;

@@ -69,10 +69,10 @@ class SurfacePainter {
   /** \brief The surface must outlive this object. */
   explicit SurfacePainter(const SLIMSurface& surface) : surface_(surface) {}
 
-  /** \brief \param[in,out] buffer with positions; its colours are set, white where a pixel is in no
+  /** \brief \param[in] camera of the frame \param[in,out] buffer with positions and depths; its colours are set, white where a pixel is in no
    * leaf's ball, and none are set for a surface without. O(covered pixels times leaves near them).
    */
-  void paint(int threads, GBuffer& buffer);
+  void paint(const Camera& camera, int threads, GBuffer& buffer);
 
  private:
   const SLIMSurface& surface_;

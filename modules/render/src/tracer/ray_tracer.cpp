@@ -437,7 +437,7 @@ Error RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer&
       traceTiles(frame, resolveThreads(params.threads), buffer, light, total, progress);
   if (!done) return refused({ErrorCode::kCancelled, "tracing was cancelled"});
   if (state_->painter && (params.columns & kColorColumn) != 0)
-    state_->painter->paint(resolveThreads(params.threads), buffer);
+    state_->painter->paint(camera, resolveThreads(params.threads), buffer);
   if (statistics) *statistics = total;
   return {};
 }

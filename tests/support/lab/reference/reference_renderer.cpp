@@ -304,7 +304,7 @@ Error ReferenceRenderer::render(const Camera& camera, const RenderParams& params
   for (std::size_t i = 0; i < buffer.residual.size(); ++i) {
     buffer.residual[i] = buffer.covered(i) ? surface.error[buffer.surfel[i]] : 0.0f;
   }
-  if (wanted.columns & kColorColumn) state_->painter.paint(threads, buffer);
+  if (wanted.columns & kColorColumn) state_->painter.paint(camera, threads, buffer);
   if (statistics) *statistics = counts;
   return {};
 }

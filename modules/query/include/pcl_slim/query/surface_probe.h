@@ -115,10 +115,10 @@ class PCL_SLIM_EXPORT SurfaceProbe {
    * \param[in] sides normals at the places: where the surface is oriented, leaves that face away
    * from them do not count. A place on no leaf's sheet gets the colours of all balls that contain
    * it, or none. O(leaves near the places). \param[out] colors red, green, blue, 0..255, for each
-   * of up to kMost places; below 0 where there is none. \param[in] width over which textures are
-   * averaged, local units: that of a pixel */
+   * of up to kMost places; below 0 where there is none. \param[in] widths over which textures are
+   * averaged, local units: those of the pixels; null: they are not */
   void colors(const Vector3* places, const Vector3* sides, std::size_t count,
-              std::array<float, 3>* colors, float width = 0.0f);
+              std::array<float, 3>* colors, const float* widths = nullptr);
 
   /** \brief Blended radius and number of points at a place. O(leaves near it). */
   ProbeScale scaleAt(const Vector3& position, const Vector3& side);
