@@ -61,7 +61,8 @@ vec3 slimTextureColor(int where, int side, float u, float v)
 vec3 slimMeanColor(int where, int side, float u, float v, float width)
 {
   float texels = 0.5 * float(side) * width / kTextureReach;
-  int taps = texels > 1.0 ? min(int(texels) + 1, 4) : 1;
+  int taps = texels < 1.5 ? 1 : min(int(texels + 0.5), 4);
+  if (taps == 1) return slimTextureColor(where, side, u, v);
   float step = width / float(taps), first = 0.5 * (step - width);
   vec3 sum = vec3(0.0);
   for (int k = 0; k < taps * taps; ++k) {

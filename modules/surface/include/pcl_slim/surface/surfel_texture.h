@@ -54,9 +54,9 @@ struct SurfelTexture {
   /** \brief The mean colour over a square of the plane about a place, of up to kMostTaps x kMostTaps
    * places in it: what a pixel shows that is wider than texels. \param[in] width [radii] */
   std::array<float, 3> meanAt(float u, float v, float width) const {
-    const float texel = 2 * kReach / static_cast<float>(side);
-    if (!(width > texel)) return colorAt(u, v);
-    const int taps = std::min(static_cast<int>(width / texel) + 1, kMostTaps);
+    const float texels = 0.5f * static_cast<float>(side) * width / kReach;
+    const int taps = texels < 1.5f ? 1 : std::min(static_cast<int>(texels + 0.5f), kMostTaps);
+    if (taps == 1) return colorAt(u, v);
     const float step = width / static_cast<float>(taps), first = 0.5f * (step - width);
     std::array<float, 3> sum{};
     for (int k = 0; k < taps * taps; ++k) {
