@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/cielab.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
-#include "pcl_slim/core/cielab.h"
 
 namespace pcl_slim::measure {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/cielab.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
-#include "pcl_slim/core/cielab.h"
 
 namespace pcl_slim {
 

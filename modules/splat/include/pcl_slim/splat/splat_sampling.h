@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "pcl_slim/cloud/side_evidence.h"
+#include "pcl_slim/core/cielab.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
-#include "pcl_slim/core/cielab.h"
 #include "pcl_slim/splat/octree_cloud.h"
 #include "pcl_slim/splat/splat_radius.h"
 #include "pcl_slim/splat/splat_set.h"
