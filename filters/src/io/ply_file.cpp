@@ -173,16 +173,6 @@ Error checkElements(const std::vector<PlyElement>& elements) {
 
 }  // namespace
 
-void adoptCapitals(PointTable& cloud) {
-  constexpr const char* kSmall[] = {"x", "y", "z"};
-  constexpr const char* kCapital[] = {"X", "Y", "Z"};
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (findField(cloud, kSmall[a]) >= 0 || findField(cloud, kCapital[a]) < 0) return;
-  }
-  for (std::size_t a = 0; a < 3; ++a)
-    cloud.fields[static_cast<std::size_t>(findField(cloud, kCapital[a]))].name = kSmall[a];
-}
-
 void adoptPclFields(PointTable& cloud) {
   adoptCapitals(cloud);
   for (PointField& field : cloud.fields) {

@@ -36,7 +36,4 @@ Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
 /** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
 void adoptPclFields(PointTable& cloud);
 
-/** Names coordinates x y z that are named X Y Z. */
-void adoptCapitals(PointTable& cloud);
-
 }  // namespace pcl_slim

@@ -53,6 +53,16 @@ bool isSpace(char c) {
 
 }  // namespace
 
+void adoptCapitals(PointTable& cloud) {
+  constexpr const char* kSmall[] = {"x", "y", "z"};
+  constexpr const char* kCapital[] = {"X", "Y", "Z"};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (findField(cloud, kSmall[a]) >= 0 || findField(cloud, kCapital[a]) < 0) return;
+  }
+  for (std::size_t a = 0; a < 3; ++a)
+    cloud.fields[static_cast<std::size_t>(findField(cloud, kCapital[a]))].name = kSmall[a];
+}
+
 bool parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at) {
   switch (type) {
     case kInt8: return parseAs<std::int8_t>(begin, end, at);

@@ -49,6 +49,9 @@ class TextScanner {
 /** A whole number, 0 or more. false: the word is none. */
 bool parseCount(const std::string& word, std::size_t& count);
 
+/** Names coordinates x y z that are named X Y Z. */
+void adoptCapitals(PointTable& cloud);
+
 /** Words of a line. */
 std::vector<std::string> splitWords(const std::string& line);
 
