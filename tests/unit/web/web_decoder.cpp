@@ -270,10 +270,7 @@ class Unpacker {
   }
 
   void addTexture(int side, const std::uint8_t* first, std::vector<std::uint8_t>& texels) {
-    const int step = 2 * color_error_ + 1;
-    std::array<int, 3> steps;
-    for (std::size_t c = 0; c < 3; ++c) steps[c] = (first[c] + color_error_) / step;
-    const LumaTexel begin = LumaTexel::of(steps);
+    const LumaTexel begin(first, color_error_);
     std::vector<LumaTexel> read(static_cast<std::size_t>(side * side));
     for (int row = 0; row < side; ++row) {
       for (int column = 0; column < side; ++column) {
@@ -287,8 +284,9 @@ class Unpacker {
           texel.value[c] = static_cast<std::uint8_t>(texel.value[c] + residual);
           texel.size += std::abs(static_cast<std::int8_t>(residual));
         }
-        for (const int value : texel.rgb())
-          texels.push_back(static_cast<std::uint8_t>(std::min(255, value * step)));
+        std::uint8_t rgb[3];
+        texel.setRgb(color_error_, rgb);
+        texels.insert(texels.end(), rgb, rgb + 3);
       }
     }
   }

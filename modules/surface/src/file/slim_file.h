@@ -105,7 +105,6 @@ constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
 constexpr std::uint32_t kSlimRoundedVersion = 5;   ///< one rounded surface
 constexpr std::uint32_t kSlimTexturesVersion = 6;  ///< one surface with textures
-constexpr int kMostColorError = 32;                ///< of a texture's channel
 
 /** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0,
  * for sealSlim. */

@@ -9,6 +9,7 @@
 #include "file/slim_file.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/surface/detail/luma_texel.h"
 #include "pcl_slim/surface/oct_normal.h"
 #include "pcl_slim/surface/surfel_color.h"
 

@@ -8,22 +8,19 @@
 #include <vector>
 
 #include "file/surfel_codec.h"
+#include "pcl_slim/surface/detail/luma_texel.h"
 #include "pcl_slim/surface/surfel_texture.h"
 
 namespace pcl_slim::detail {
 
-/** \brief Codes textures one after another, in either direction (surfel_codec.h).
- *
- * Channels are rounded to steps and become a luma and two differences, reversibly (YCoCg-R; Malvar,
- * Sullivan 2003). Each is predicted by the median of the texels to the left and below and of their
- * plane (LOCO-I; Weinberger, Seroussi, Sapiro 2000). Texels that are as predicted take one bit,
- * whose chance depends on those around.
- */
+/** \brief Codes textures one after another, in either direction (surfel_codec.h): what prediction
+ * leaves of luma and differences. Texels that are as predicted take one bit, whose chance depends on
+ * those around. */
 template <typename Coder>
 class TextureCodec {
  public:
   /** \param[in] color_error greatest error of a channel */
-  TextureCodec(Coder& coder, int color_error) : coder_(coder), step_(2 * color_error + 1) {}
+  TextureCodec(Coder& coder, int color_error) : coder_(coder), color_error_(color_error) {}
 
   /** \brief \param[in,out] side 0: there is none \param[in,out] rgb numBytes(side) */
   void code(int& side, std::vector<std::uint8_t>& rgb) {
@@ -37,70 +34,35 @@ class TextureCodec {
   }
 
  private:
-  struct Texel {
-    std::array<int, 3> value{};  ///< luma and differences
-    int size = 0;                ///< of what prediction left
-  };
-
   void codeTexel(int side, int column, int row, std::vector<std::uint8_t>& rgb) {
     const auto at = static_cast<std::size_t>(row * side + column);
-    const Texel none;
-    const Texel& left = column > 0 ? texels_[at - 1] : none;
-    const Texel& below = row > 0 ? texels_[at - static_cast<std::size_t>(side)] : none;
-    const Texel& corner =
+    const LumaTexel none;
+    const LumaTexel& left = column > 0 ? texels_[at - 1] : none;
+    const LumaTexel& below = row > 0 ? texels_[at - static_cast<std::size_t>(side)] : none;
+    const LumaTexel& corner =
         column > 0 && row > 0 ? texels_[at - static_cast<std::size_t>(side) - 1] : none;
-    const std::array<int, 3> predicted = predict(column, row, left, below, corner);
-    const std::array<int, 3> value = lumaOf(rgb.data() + 3 * at);
+    LumaTexel predicted = row == 0 ? left : below;
+    if (row > 0 && column > 0) predicted = LumaTexel::predicted(left, below, corner);
+    const LumaTexel own(rgb.data() + 3 * at, color_error_);
     const int around = left.size + below.size;
-    Texel& texel = texels_[at];
     const std::size_t context = around == 0 ? 0 : around < 3 ? 1 : around < 9 ? 2 : 3;
     const std::size_t quiet =
         (left.size == 0 ? 1 : 0) + (below.size == 0 ? 2 : 0) + (corner.size == 0 ? 4 : 0);
-    texel.value = predicted;
-    if (!coder_.bit(predicted_[quiet], value == predicted)) {
+    LumaTexel& texel = texels_[at];
+    texel.value = predicted.value;
+    if (!coder_.bit(predicted_[quiet], own.value == predicted.value)) {
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::int64_t rest = rests_[c][context].code(coder_, value[c] - predicted[c]);
-        const auto bounded = static_cast<int>(std::clamp<std::int64_t>(rest, -1024, 1024));
-        texel.value[c] += bounded;
-        texel.size += std::abs(bounded);
+        const std::int64_t rest = rests_[c][context].code(coder_, own.residual(predicted, c));
+        texel.value[c] = LumaTexel::byteOf(predicted.value[c] + static_cast<int>(rest & 255));
+        texel.size += std::abs(texel.residual(predicted, c));
       }
     }
-    setRgb(texel.value, rgb.data() + 3 * at);
-  }
-
-  static std::array<int, 3> predict(int column, int row, const Texel& left, const Texel& below,
-                                    const Texel& corner) {
-    if (row == 0) return left.value;
-    if (column == 0) return below.value;
-    std::array<int, 3> predicted;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int a = left.value[c], b = below.value[c], d = corner.value[c];
-      predicted[c] = std::clamp(a + b - d, std::min(a, b), std::max(a, b));
-    }
-    return predicted;
-  }
-
-  std::array<int, 3> lumaOf(const std::uint8_t* rgb) const {
-    const int half = step_ / 2, r = (rgb[0] + half) / step_, g = (rgb[1] + half) / step_,
-              b = (rgb[2] + half) / step_;
-    const int orange = r - b, base = b + (orange >> 1), green = g - base;
-    return {base + (green >> 1), orange, green};
-  }
-
-  void setRgb(const std::array<int, 3>& value, std::uint8_t* rgb) const {
-    const int base = value[0] - (value[2] >> 1), green = value[2] + base,
-              blue = base - (value[1] >> 1), red = blue + value[1];
-    const auto byteOf = [&](int steps) {
-      return static_cast<std::uint8_t>(std::clamp(steps * step_, 0, 255));
-    };
-    rgb[0] = byteOf(red);
-    rgb[1] = byteOf(green);
-    rgb[2] = byteOf(blue);
+    texel.setRgb(color_error_, rgb.data() + 3 * at);
   }
 
   Coder& coder_;
-  int step_, last_ = 0;
-  std::vector<Texel> texels_;
+  int color_error_, last_ = 0;
+  std::vector<LumaTexel> texels_;
   NumberModel side_;
   std::array<BitModel, 8> predicted_;
   std::array<std::array<NumberModel, 4>, 3> rests_;

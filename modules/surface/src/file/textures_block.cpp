@@ -28,7 +28,9 @@ Error unpackTextures(const unsigned char* bytes, std::size_t size, SLIMSurface& 
   for (std::size_t i = 0; i < surface.size(); ++i) {
     int side = 0;
     codec.code(side, rgb);
-    if (coder.failed()) return contradictorySlim();
+    // A small file may announce more texels than offsets of 32 bits reach.
+    if (coder.failed() || texels.size() + rgb.size() > 0xffffffffu - surface.size())
+      return contradictorySlim();
     sides.push_back(static_cast<std::uint8_t>(side));
     texels.insert(texels.end(), rgb.begin(), rgb.end());
   }
