@@ -10,7 +10,8 @@
 
 namespace pcl_slim::detail {
 
-Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes) {
+Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes,
+                                        std::size_t residuals) {
   constexpr int kGzipWindow = 15 + 16;  // zlib's largest window, in gzip's frame
   z_stream stream{};
   if (bytes.size() > 0x7fffffff || deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED,
@@ -18,18 +19,24 @@ Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes)
     return badInput("too much data for a page; fit the surface with -compact 1 or a larger error");
   }
   stream.next_in = const_cast<unsigned char*>(bytes.data());
-  stream.avail_in = static_cast<uInt>(bytes.size());
   std::vector<unsigned char> out;
   unsigned char part[1 << 16];
   int status = Z_OK;
-  while (status == Z_OK || status == Z_BUF_ERROR) {
-    stream.next_out = part;
-    stream.avail_out = sizeof part;
-    status = deflate(&stream, Z_FINISH);
-    const std::size_t made = sizeof part - stream.avail_out;
-    out.insert(out.end(), part, part + made);
-    if (made == 0) break;
+  const auto run = [&](const auto& step) {
+    do {
+      stream.next_out = part;
+      stream.avail_out = sizeof part;
+      status = step();
+      out.insert(out.end(), part, stream.next_out);
+    } while (status == Z_OK && stream.avail_out == 0);
+  };
+  if (residuals > 0) {
+    stream.avail_in = static_cast<uInt>(bytes.size() - residuals);
+    run([&] { return deflate(&stream, Z_BLOCK); });
+    run([&] { return deflateParams(&stream, Z_BEST_COMPRESSION, Z_RLE); });
   }
+  stream.avail_in = static_cast<uInt>(bytes.data() + bytes.size() - stream.next_in);
+  run([&] { return deflate(&stream, Z_FINISH); });
   deflateEnd(&stream);
   if (status != Z_STREAM_END) return badInput("the page's data are damaged; save the page again");
   return out;

@@ -198,8 +198,10 @@ struct WebHeader {
   }
 };
 
-/** \brief Deflates bytes into a gzip stream with its checksum. */
-Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes);
+/** \brief Deflates bytes into a gzip stream with its checksum. \param[in] residuals number of the last
+ * bytes that are what prediction left, in which longer matches are rare and costly to find */
+Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes,
+                                        std::size_t residuals = 0);
 
 /** \brief Lines on a grid of 16 bits an axis, deflated. \param[in] origin, scale of the model, in
  * whose local units the viewer works */

@@ -38,7 +38,7 @@ class Packer {
     order_ = cells_.order([&](std::uint32_t i) { return s_.isLeaf(i); });
   }
 
-  std::vector<unsigned char> pack() {
+  Result<std::vector<unsigned char>> pack() {
     putHeader();
     putBalls();
     putDetail();
@@ -46,7 +46,7 @@ class Packer {
     putTrimMaps();
     if (header_.colored) putColors();
     if (header_.textured) putTextures();
-    return std::move(out_.data);
+    return gzip(out_.data, residuals_);
   }
 
  private:
@@ -203,7 +203,9 @@ class Packer {
       const SurfelTexture texture = s_.texture(i);
       packer.add(texture.side, texture.rgb, colors_.data() + i * kColorBytes);
     }
+    const std::size_t before = out_.data.size();
     packer.write(out_);
+    residuals_ = out_.data.size() - before;
   }
 
   const SLIMSurface& s_;
@@ -214,6 +216,7 @@ class Packer {
   WebHeader header_;
   std::vector<std::uint32_t> order_;
   PlaneWriter out_;
+  std::size_t residuals_ = 0;  ///< bytes of textures, the last of all
 };
 
 }  // namespace
@@ -227,7 +230,7 @@ Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface, 
     return Error{ErrorCode::kBadArgument, "the error of colours must be 0 to 32 of 255"};
   }
   if (Error error = surface.validate()) return error;
-  return gzip(Packer(surface, precision, color_error).pack());
+  return Packer(surface, precision, color_error).pack();
 }
 
 }  // namespace pcl_slim
