@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Files as other programs write them: the same points give the same surface, what was made of a file is told,
+# Files as other programs write them: the same points give the same surface, a note says what was made of a file,
 # and what cannot be used is refused with a remedy.
 # Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
 source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"

@@ -55,30 +55,6 @@ std::array<double, 3> waves(const std::array<double, 3>& p) {
   return color;
 }
 
-/** \brief Paints textures of all surfels, and makes their polynomials black. */
-void paintTextures(SLIMSurface& surface) {
-  constexpr int kSide = 24;
-  surface.colors.assign(surface.size() * kColorBytes, 0);
-  std::vector<std::uint8_t> texels;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
-    const std::array<double, 3> center = {surface.cx[i], surface.cy[i], surface.cz[i]};
-    for (int k = 0; k < kSide * kSide; ++k) {
-      const double u = SurfelTexture::kReach * ((2 * (k % kSide) + 1.0) / kSide - 1.0);
-      const double v = SurfelTexture::kReach * ((2 * (k / kSide) + 1.0) / kSide - 1.0);
-      const double h = evaluateJet(surface.degree[i], surface.coefficientsOf(i), u, v).h;
-      std::array<double, 3> p;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double off = u * frame.u[a] + v * frame.v[a] + h * frame.w[a];
-        p[a] = center[a] + surface.radius[i] * off;
-      }
-      for (const double value : waves(p))
-        texels.push_back(static_cast<std::uint8_t>(std::lround(value)));
-    }
-  }
-  surface.setTextures(std::vector<std::uint8_t>(surface.size(), kSide), texels);
-}
-
 class CardTextures : public CardTest {
  protected:
   CardTextures() {
@@ -148,7 +124,8 @@ TEST_F(CardTextures, APaintedScanHasTheColoursOfItsPicture) {
 
 TEST_F(CardTextures, CoarserSurfelsHaveTheirOwn) {
   const auto surface = paintedSphere();
-  paintTextures(*surface);
+  surface->colors.assign(surface->size() * kColorBytes, 0);  // polynomials are black
+  pcl_slim_test::setTexturesOf(*surface, 24, waves);
   mapper->setSurface(surface);
   ASSERT_TRUE(mapper->setMode(DisplayMode::kColor));
   const Image fine = pictureBy(RayBackend::kCPU);

@@ -17,7 +17,7 @@ struct TextKindOfFile {
   const char* source;  ///< program and what is particular
   const char* file;    ///< its extension gives the format
   const char* text;
-  const char* columns;  ///< as they are found; "": no columns are told
+  const char* columns;  ///< that the note names; "": there is no note
 };
 
 const TextKindOfFile kHeaders[] = {
