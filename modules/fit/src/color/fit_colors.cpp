@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "color/color_fit.h"
+#include "color/surfel_sheet.h"
 #include "color/texture_fit.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/leaf/detail/gates.h"
@@ -188,23 +189,19 @@ class ColorFitter {
   /** Appends the texels of a surfel that has its polynomial. \return the texture's side, 0: none */
   std::uint8_t fitTexture(std::size_t i, const std::uint8_t* color,
                           std::vector<std::uint8_t>& texels) {
-    gather(i);
     const float variance_weight = surface_.isLeaf(i) ? surface_.varianceWeight(i) : 0.0f;
-    return static_cast<std::uint8_t>(textures_.fit(points_, color, variance_weight, texels));
+    return static_cast<std::uint8_t>(textures_.fit(gather(i), color, variance_weight, texels));
   }
 
   /** Raises the weights at a leaf's points to its own. */
   void raise(std::size_t i, detail::LeadingWeights& weights) {
-    gather(i);
-    detail::raiseWeights(points_, surface_.varianceWeight(i), weights);
+    detail::raiseWeights(gather(i), surface_.varianceWeight(i), weights);
   }
 
   /** Encodes the polynomial of a surfel; without points the bytes stay as they are. */
   void fit(std::size_t i, std::uint8_t* bytes) {
     const float center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
-    found_.clear();
-    store_.tree().blocksInBall(center, surface_.radius[i], found_);
-    takeBlocks(kMostPoints);
+    detail::listBlocks(store_, center, surface_.radius[i], kMostPoints, found_, blocks_);
     ColorSums sums = sumsOf(i, true);
     if (!(sums.moments[0] > 0)) sums = sumsOf(i, false);
     if (sums.moments[0] > 0) encodeColor(solve(sums), bytes);
@@ -213,28 +210,18 @@ class ColorFitter {
  private:
   /** The points of surfel i's sheet, as far as textures reach; a part of those of wide internal
    * ones. */
-  void gather(std::size_t i) {
-    const SLIMSurface& s = surface_;
-    const std::array<float, 3> normal{s.nx[i], s.ny[i], s.nz[i]};
-    detail::kernels::CoverLeaf leaf;
-    leaf.ball = {{s.cx[i], s.cy[i], s.cz[i]}, SurfelTexture::kReach * s.radius[i]};
-    found_.clear();
-    store_.tree().blocksInBall(leaf.ball.center.data(), leaf.ball.radius, found_);
-    takeBlocks(s.isLeaf(i) ? found_.size() * PointStore::kBlock : kMostPoints);
-    if (store_.hasSides()) leaf.ball.bound_normal = normal.data();
-    leaf.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
-    leaf.degree = s.degree[i];
-    leaf.support_radius = s.radius[i];
-    leaf.c = s.coefficientsOf(i);
-    leaf.max_residual = std::max(kLeastGate * s.radius[i], kGateErrors * s.error[i]);
-    detail::kernels::gatherSheet(store_, blocks_, leaf, points_);
+  const detail::SheetPoints& gather(std::size_t i) {
+    detail::SheetBounds bounds;
+    bounds.reach = SurfelTexture::kReach;
+    bounds.facing = store_.hasSides();
+    bounds.max_residual = gateOf(i);
+    if (!surface_.isLeaf(i)) bounds.most = kMostPoints;
+    return sheet_.gather(store_, surface_, i, bounds);
   }
 
-  /** Every n-th of the blocks found, so that they have a number of points at most. */
-  void takeBlocks(std::size_t most) {
-    const std::size_t step = 1 + found_.size() * PointStore::kBlock / (most + 1);
-    blocks_.clear();
-    for (std::size_t b = 0; b < found_.size(); b += step) blocks_.push_back(found_[b]);
+  /** Points farther from a surfel's polynomial are of other sheets [radii]. */
+  float gateOf(std::size_t i) const {
+    return std::max(kLeastGate, kGateErrors * surface_.error[i] / surface_.radius[i]);
   }
 
   /** \param[in] own_sheet only points of the surfel's own sheet */
@@ -247,8 +234,7 @@ class ColorFitter {
     surfel.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
     surfel.degree = s.degree[i];
     surfel.c = s.coefficientsOf(i);
-    surfel.max_residual = own_sheet ? std::max(kLeastGate, kGateErrors * s.error[i] / s.radius[i])
-                                    : std::numeric_limits<float>::infinity();
+    surfel.max_residual = own_sheet ? gateOf(i) : std::numeric_limits<float>::infinity();
     return detail::kernels::sumColors(store_, blocks_, surfel, s.info.blend_kernel, colors_);
   }
 
@@ -257,7 +243,7 @@ class ColorFitter {
   const SLIMSurface& surface_;
   std::vector<std::uint32_t> found_;  ///< blocks that meet the ball ...
   BlockList blocks_;                  ///< ... and those of them that are looked at
-  detail::SheetPoints points_;
+  detail::SurfelSheet sheet_;
   detail::TextureFitter textures_;
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "color/color_fit.h"
+#include "color/surfel_sheet.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
@@ -68,40 +69,10 @@ Result<PointStore> storeNear(CloudView cloud, const SLIMSurface& surface, int th
   return PointStore::build(cloud, frame, threads);
 }
 
-/** Collects the points of one leaf after another. One per thread: it keeps its memory. */
-class LeafPoints {
- public:
-  /** Collects the stored points in the ball of leaf i and near its polynomial. \param[in] facing
-   * only those whose side it has \param[in] max_residual [radii] */
-  const detail::SheetPoints& gather(const PointStore& store, const SLIMSurface& s, std::size_t i,
-                                    bool facing, float max_residual) {
-    const std::array<float, 3> normal{s.nx[i], s.ny[i], s.nz[i]};
-    detail::kernels::CoverLeaf leaf;
-    leaf.ball = {{s.cx[i], s.cy[i], s.cz[i]}, s.radius[i]};
-    if (facing) leaf.ball.bound_normal = normal.data();
-    leaf.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
-    leaf.degree = s.degree[i];
-    leaf.support_radius = s.radius[i];
-    leaf.c = s.coefficientsOf(i);
-    leaf.max_residual = max_residual * s.radius[i];
-    found_.clear();
-    store.tree().blocksInBall(leaf.ball.center.data(), s.radius[i], found_);
-    blocks_.clear();
-    for (const std::uint32_t block : found_) blocks_.push_back(block);
-    detail::kernels::gatherSheet(store, blocks_, leaf, points_);
-    return points_;
-  }
-
- private:
-  std::vector<std::uint32_t> found_;
-  BlockList blocks_;
-  detail::SheetPoints points_;
-};
-
 /** Calls body(leaf, memory of its thread) for every leaf. */
 template <typename Body>
 void forLeaves(const SLIMSurface& surface, int threads, const Body& body) {
-  std::vector<LeafPoints> memory(static_cast<std::size_t>(threads));
+  std::vector<detail::SurfelSheet> memory(static_cast<std::size_t>(threads));
   parallelFor(surface.size(), threads, 64, [&](std::size_t i, int thread) {
     if (surface.isLeaf(i)) body(i, memory[static_cast<std::size_t>(thread)]);
   });
@@ -116,8 +87,8 @@ class NearestLeaves {
   /** Searches all leaves. \param[in] facing only those that face a point's own normal */
   void find(bool facing, int threads) {
     for (auto& entry : nearest_) entry.store(kNoLeaf, std::memory_order_relaxed);
-    forLeaves(surface_, threads, [&](std::size_t i, LeafPoints& memory) {
-      add(i, memory.gather(store_, surface_, i, facing, kMostDistance));
+    forLeaves(surface_, threads, [&](std::size_t i, detail::SurfelSheet& memory) {
+      add(i, memory.gather(store_, surface_, i, {1.0f, facing, kMostDistance}));
     });
   }
 
@@ -206,12 +177,12 @@ std::vector<char> paintedLeaves(const PointStore& store, const SLIMSurface& surf
   // part.
   const float reach = surface.hasColors() ? SurfelTexture::kReach : 1.0f;
   std::vector<char> painted(surface.size(), 0);
-  forLeaves(surface, threads, [&](std::size_t i, LeafPoints& memory) {
+  forLeaves(surface, threads, [&](std::size_t i, detail::SurfelSheet& memory) {
     // Points farther from the polynomial are of other sheets, as fitColors() has it.
     const double gate = std::max(detail::kLeastErrorGate,
                                  detail::kErrorGate * surface.error[i] / surface.radius[i]);
     const auto& points =
-        memory.gather(store, surface, i, store.hasSides(), static_cast<float>(gate));
+        memory.gather(store, surface, i, {1.0f, store.hasSides(), static_cast<float>(gate)});
     for (std::size_t k = 0; k < points.count && painted[i] == 0; ++k) {
       const float u = points.u[k], v = points.v[k];
       painted[i] = u * u + v * v < reach * reach ? 1 : 0;

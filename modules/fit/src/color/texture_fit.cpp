@@ -349,6 +349,36 @@ void TextureFitter::sharpen() {
   }
 }
 
+/** Appends the finest level's colours. */
+void TextureFitter::write(const ColorPolynomial& polynomial, const Metric& metric,
+                          std::vector<std::uint8_t>& texels) const {
+  const int side = levels_[0].side;
+  const float texel = 2 * SurfelTexture::kReach / static_cast<float>(side);
+  const auto middleOf = [&](int k) {
+    return texel * (static_cast<float>(k) + 0.5f) - SurfelTexture::kReach;
+  };
+  // Where no points around count in this leaf, texels repeat others: these take next to nothing in files.
+  const int depth = std::min(2, num_levels_ - 1);
+  const Level& blocks = levels_[static_cast<std::size_t>(depth)];
+  const auto isUsed = [&](int row, int column) {
+    const int block = (row >> depth) * blocks.side + (column >> depth);
+    return blocks.cells[static_cast<std::size_t>(block)].count > 0;
+  };
+  for (int k = 0; k < side * side; ++k) {
+    const int row = k / side, column = k % side;
+    if (k > 0 && !isUsed(row, column)) {
+      const std::size_t from = texels.size() - 3 * static_cast<std::size_t>(column > 0 ? 1 : side);
+      for (std::size_t c = 0; c < 3; ++c) texels.push_back(texels[from + c]);
+      continue;
+    }
+    const auto base = colorAt(polynomial, middleOf(column), middleOf(row)),
+               rest = Metric::times(metric.from, levels_[0].colors[static_cast<std::size_t>(k)]);
+    for (std::size_t c = 0; c < 3; ++c)
+      texels.push_back(
+          static_cast<std::uint8_t>(std::lround(std::clamp(base[c] + rest[c], 0.0f, 255.0f))));
+  }
+}
+
 int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, float variance_weight,
                        std::vector<std::uint8_t>& texels) {
   const ColorPolynomial polynomial = decodeColor(color);
@@ -369,17 +399,7 @@ int TextureFitter::fit(const SheetPoints& points, const std::uint8_t* color, flo
   divide();
   fillGaps();
   for (int k = 0; k < kTextures.sharpenings; ++k) sharpen();
-  const float texel = 2 * SurfelTexture::kReach / static_cast<float>(side);
-  const auto middleOf = [&](int k) {
-    return texel * (static_cast<float>(k) + 0.5f) - SurfelTexture::kReach;
-  };
-  for (int k = 0; k < side * side; ++k) {
-    const auto base = colorAt(polynomial, middleOf(k % side), middleOf(k / side)),
-               rest = Metric::times(metric.from, levels_[0].colors[static_cast<std::size_t>(k)]);
-    for (std::size_t c = 0; c < 3; ++c)
-      texels.push_back(
-          static_cast<std::uint8_t>(std::lround(std::clamp(base[c] + rest[c], 0.0f, 255.0f))));
-  }
+  write(polynomial, metric, texels);
   return side;
 }
 

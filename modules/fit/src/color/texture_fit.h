@@ -84,6 +84,8 @@ class TextureFitter {
   void divide();
   void fillGaps();
   void sharpen();
+  void write(const ColorPolynomial& polynomial, const Metric& metric,
+             std::vector<std::uint8_t>& texels) const;
 
   const ColorColumns& colors_;
   const LabTable& lab_;
