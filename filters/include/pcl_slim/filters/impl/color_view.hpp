@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pcl/point_cloud.h>
-#include <pcl/point_traits.h>
 #include <pcl/point_types.h>
+#include <pcl/type_traits.h>
 
 #include "pcl_slim/cloud/cloud_view.h"
 
