@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "color/color_rows.h"
+#include "color/texture_jpeg.h"
 #include "pcl_slim/core/cielab.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/query/surface_probe.h"
@@ -20,6 +22,7 @@ namespace pcl_slim::measure {
 namespace {
 
 constexpr int kFirstSize = 1000;  ///< of the picture that shows how many pixels the points cover
+constexpr int kColorError = 2;    ///< of rounded textures
 constexpr float kStep = 0.01f;    ///< of the depth: pixels farther apart are of different parts
 
 using Lab = std::array<float, 3>;
@@ -79,6 +82,36 @@ Comparison compare(const GBuffer& points, const GBuffer& surface) {
   return {other / own, sum / both};
 }
 
+/** The root mean square difference of the channels of two surfaces' textures, 0..255. */
+double textureError(const SLIMSurface& exact, const SLIMSurface& rounded) {
+  double sum = 0;
+  for (std::size_t i = 0; i < exact.textures.size(); ++i) {
+    const double difference = static_cast<double>(exact.textures[i]) - rounded.textures[i];
+    sum += difference * difference;
+  }
+  return std::sqrt(sum / static_cast<double>(exact.textures.size()));
+}
+
+/** Bytes of a surface's textures. */
+struct TextureBytes {
+  double exact = 0, rounded = 0;  ///< in a .slim; rounded: with -color_error 2
+  std::optional<double> jpeg;     ///< as a picture of the rounded ones' error
+};
+
+Error measureTextures(SLIMSurface surface, TextureBytes& bytes) {
+  const auto exact = encodeSlim(surface), rounded = encodeSlim(surface, {0.0, kColorError});
+  const Result<SLIMSurface> decoded = decodeSlim(rounded.data(), rounded.size());
+  if (!decoded) return decoded.error();
+  if (const auto jpeg = jpegBytes(surface, textureError(surface, *decoded))) {
+    bytes.jpeg = static_cast<double>(*jpeg);
+  }
+  surface.dropTextures();
+  const auto bare = static_cast<double>(encodeSlim(surface).size());
+  bytes.exact = static_cast<double>(exact.size()) - bare;
+  bytes.rounded = static_cast<double>(rounded.size()) - bare;
+  return {};
+}
+
 /** Seconds of a frame, without colours and with them. */
 struct FrameSeconds {
   double bare = 0, colored = 0;
@@ -128,24 +161,24 @@ Error printScan(const std::string& path, const std::string& pictures) {
     if (Error error = save(truth, pictures + "_points.png")) return error;
   }
   const TextureStatistics textures = fitted.surface.textureStatistics();
-  const auto exact = encodeSlim(fitted.surface).size(),
-             rounded = encodeSlim(fitted.surface, {0.0, 2}).size();
+  TextureBytes bytes;
+  if (Error error = measureTextures(fitted.surface, bytes)) return error;
   fitted.surface.dropTextures();
-  const auto bare = encodeSlim(fitted.surface).size();
   if (Error error = draw(fitted.surface, camera, made, without)) return error;
   const Comparison plain = compare(truth, made);
   if (!pictures.empty()) {
     if (Error error = save(made, pictures + "_polynomials.png")) return error;
   }
   const auto count = static_cast<double>(points.size());
+  char jpeg[32] = "–";
+  if (bytes.jpeg) std::snprintf(jpeg, sizeof jpeg, "%.2f", *bytes.jpeg / count);
   std::printf(
-      "| %s | %zu | %.2f → %.2f | %.2f → %.2f | %.1f | %.2f, %.2f | %.3f + %.3f | %.0f + %.0f → "
-      "%.0f |\n",
+      "| %s | %zu | %.2f → %.2f | %.2f → %.2f | %.1f | %.2f, %.2f, %s | %.3f + %.3f | %.0f + "
+      "%.0f → %.0f |\n",
       path.substr(path.rfind('/') + 1).c_str(), points.size(), plain.sharpness, textured.sharpness,
       plain.difference, textured.difference, static_cast<double>(textures.texels) / count,
-      static_cast<double>(exact - bare) / count, static_cast<double>(rounded - bare) / count,
-      fit_seconds, fitted.color_seconds, 1e3 * with.bare, 1e3 * (without.colored - without.bare),
-      1e3 * (with.colored - with.bare));
+      bytes.exact / count, bytes.rounded / count, jpeg, fit_seconds, fitted.color_seconds,
+      1e3 * with.bare, 1e3 * (without.colored - without.bare), 1e3 * (with.colored - with.bare));
   return {};
 }
 
