@@ -364,7 +364,7 @@ CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants&
     summed = sheet.count;
     axes = Axes(sums);
     double flatness = setNormal(axes, sheet);
-    std::array<CellSums, 2> sides;
+    std::array<CellSums, 2> sides{};
     findOther(near, sums, constants, sheet, sides);
     if (sheet.other != 0) {
       flatness = setNormal(Axes(sides[0]), sheet);
