@@ -25,4 +25,4 @@ include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(HWY
   REQUIRED_VARS HWY_TARGET
   VERSION_VAR HWY_VERSION
-  REASON_FAILURE_MESSAGE "install Google Highway (Debian and Ubuntu: libhwy-dev)")
+  REASON_FAILURE_MESSAGE "install Google Highway ${HWY_FIND_VERSION} or later (libhwy-dev of Debian 12 and Ubuntu 24.04 on)")

@@ -26,6 +26,13 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   exit 1
 fi
 
+# Ubuntu 22.04 has an older Google Highway than the kernels need.
+highway=$(apt-cache show libhwy-dev 2>/dev/null | awk '$1 == "Version:" { print $2; exit }')
+if [ -n "$highway" ] && dpkg --compare-versions "$highway" lt 1.0.3; then
+  echo "This system's Google Highway (libhwy-dev) is $highway, and 1.0.3 is needed: use Debian 12, Ubuntu 24.04 or later" >&2
+  exit 1
+fi
+
 # LASzip, for .laz, is in Debian from version 13 on.
 apt-cache show liblaszip-dev >/dev/null 2>&1 && optional+=(liblaszip-dev)
 

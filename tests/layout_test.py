@@ -3,6 +3,7 @@
 
     python3 tests/layout_test.py ROOT            prints each breach; exits 1 if there is one
     python3 tests/layout_test.py ROOT --figures  prints the distribution of lengths as well
+    python3 tests/layout_test.py ROOT --pcl DIR  DIR, of PCL's headers: none that is included is deprecated
 
 Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
 VTK, programs include no header of PCL or Eigen, themselves or through ours, includes between folders
@@ -271,6 +272,18 @@ def breaches(root, paths):
               f"p90 {lengths[len(lengths) * 9 // 10]}, longest {lengths[-1]}")
 
 
+def deprecated_headers(root, paths, folder):
+    """PCL's headers that a later version of PCL drops: it marks them two versions before."""
+    for path in paths:
+        text = open(os.path.join(root, path), encoding="utf-8").read()
+        for header in re.findall(r"^ *#include <(pcl/[^>]+)>", text, re.M):
+            name = os.path.join(folder, header)
+            if not os.path.exists(name):
+                yield f"{path}: includes {header}, which this PCL does not have"
+            elif re.search(r"^PCL_DEPRECATED_HEADER\(", open(name, encoding="utf-8").read(), re.M):
+                yield f"{path}: includes {header}, which PCL has deprecated"
+
+
 def documents(root):
     """Path and text, without its code, of each Markdown file that is not made by a build."""
     for folder, folders, names in os.walk(root):
@@ -307,6 +320,8 @@ def main():
     root = sys.argv[1]
     paths = list(sources(root))
     found = list(breaches(root, paths)) + list(dead_links(root))
+    if "--pcl" in sys.argv:
+        found += deprecated_headers(root, paths, sys.argv[sys.argv.index("--pcl") + 1])
     for line in found:
         print(line)
     if not paths:
