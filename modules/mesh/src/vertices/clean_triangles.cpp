@@ -95,15 +95,24 @@ class Cleaner {
     changed_.assign(vertices_.count(), kNone);
   }
 
-  std::vector<std::uint32_t> fanOf(std::uint32_t v) const {
-    if (changed_[v] != kNone) return rows_[changed_[v]];
-    return {fans_.begin() + begin_[v], fans_.begin() + begin_[v + 1]};
+  /** The triangles about a vertex, until its fan changes. */
+  struct Fan {
+    const std::uint32_t *first, *last;
+    const std::uint32_t* begin() const { return first; }
+    const std::uint32_t* end() const { return last; }
+    std::size_t size() const { return static_cast<std::size_t>(last - first); }
+  };
+
+  Fan fanOf(std::uint32_t v) const {
+    if (changed_[v] == kNone) return {fans_.data() + begin_[v], fans_.data() + begin_[v + 1]};
+    const auto& row = rows_[changed_[v]];
+    return {row.data(), row.data() + row.size()};
   }
   std::vector<std::uint32_t>& changeFan(std::uint32_t v) {
     if (changed_[v] == kNone) {
-      std::vector<std::uint32_t> row = fanOf(v);
+      const Fan fan = fanOf(v);
       changed_[v] = static_cast<std::uint32_t>(rows_.size());
-      rows_.push_back(std::move(row));
+      rows_.emplace_back(fan.begin(), fan.end());
     }
     return rows_[changed_[v]];
   }
@@ -192,9 +201,10 @@ class Cleaner {
     if (b_on_border && (shared.size() == 2 || !onBorder(a))) return false;
     if (!mayMove(b, a, at(a), kTurn)) return false;
     for (const std::uint32_t t : shared) remove(t);
+    auto& joined = changeFan(a);
     for (const std::uint32_t t : fanOf(b)) {
       for (std::uint32_t& v : triangles_[t]) v = v == b ? a : v;
-      changeFan(a).push_back(t);
+      joined.push_back(t);
       touched_.push_back(t);
     }
     changeFan(b).clear();
@@ -268,7 +278,7 @@ class Cleaner {
       if (!alive_[t]) continue;
       std::uint32_t inner = kNone;
       std::size_t tips = 0;
-      for (const std::uint32_t v : triangles_[t]) tips += fanSize(v) == 1 ? 1 : 0;
+      for (const std::uint32_t v : triangles_[t]) tips += fanOf(v).size() == 1 ? 1 : 0;
       if (tips != 1) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto shared = atEdge(triangles_[t][k], triangles_[t][(k + 1) % 3]);
@@ -278,10 +288,6 @@ class Cleaner {
       remove(t);
       queue.push_back(inner);
     }
-  }
-
-  std::size_t fanSize(std::uint32_t v) const {
-    return changed_[v] != kNone ? rows_[changed_[v]].size() : begin_[v + 1] - begin_[v];
   }
 
   static constexpr std::uint32_t kNone = 0xffffffffu;
