@@ -24,7 +24,7 @@ debian_mirror() {
 
 # make_debian RELEASE DIR
 make_debian() {
-  local release=$1 dir=$2 mirror log
+  local release=$1 dir=$2 mirror log script=/usr/share/debootstrap/scripts/$1
   if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
     echo "A minimal Debian is made by root with debootstrap: scripts/setup.sh nightly installs it" >&2
     return 1
@@ -34,12 +34,14 @@ make_debian() {
     return 1
   fi
   mirror=$(debian_mirror) || return
+  # Releases younger than this debootstrap are made as the newest one it knows.
+  [ -e "$script" ] || script=${script%/*}/sid
   mkdir -p -- "$dir"
   # An ordinary user enters it, too.
   chmod 755 -- "$dir"
   log=$dir.log
   # debootstrap mounts /proc in the new system: in mounts of its own, so that none is left here.
-  if ! unshare --mount debootstrap --variant=minbase "$release" "$dir" "$mirror" >"$log" 2>&1; then
+  if ! unshare --mount debootstrap --variant=minbase "$release" "$dir" "$mirror" "$script" >"$log" 2>&1; then
     tail -n 20 -- "$log" >&2
     echo "debootstrap failed; the whole log is $log" >&2
     return 1

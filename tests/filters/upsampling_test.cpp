@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SLIMProjectionSmoother's upsampling methods: how many points come out, where, and whose they are.
 #include <gtest/gtest.h>
-#include <pcl/surface/mls.h>
+#include <pcl/surface/impl/mls.hpp>  // from PCL 1.15 on, its library has few pairs of types
 
 #include <algorithm>
 #include <cmath>
