@@ -39,9 +39,9 @@ smooth_laz() {
   in_source python3 -c '
 import laspy
 laspy.read("demo_out/scan.las").write("demo_out/scan.laz", laz_backend=laspy.LazBackend.Laszip)'
-  in_source build/release/bin/pcl_slim_smooth demo_out/scan.laz demo_out/from_laz.las
-  in_source build/release/bin/pcl_slim_smooth demo_out/scan.las demo_out/from_las.las -quiet
-  in_source cmp demo_out/from_laz.las demo_out/from_las.las
+  in_source build/release/bin/pcl_slim_smooth demo_out/scan.laz demo_out/from_laz.pcd
+  in_source build/release/bin/pcl_slim_smooth demo_out/scan.las demo_out/from_las.pcd -quiet
+  in_source cmp demo_out/from_laz.pcd demo_out/from_las.pcd
   echo "A .laz and the .las with the same points are smoothed to the same bytes"
 }
 
