@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/run_program.h"
+#include "common/file_program.h"
+#include "common/programs.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
@@ -43,12 +44,11 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
-                      "Thins a coloured scan to discs that cover its surface without holes.");
+  OptionTable options = programOptions("pcl_color_splat_sampling");
   SplatParams& p = s.params;
-  options.positional("IN", &s.files.input, "the scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.pcd|.ply|.vtp", &s.files.output,
-                     "the splats: x y z, normal, rgba, radius");
+  options.input("IN", &s.files.input, "the scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.pcd|.ply|.vtp", &s.files.output, "the splats: x y z, normal, rgba, radius",
+                 ".ply");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
   options.number("geo", &p.geometric_error, 0, 1e6,
@@ -78,7 +78,8 @@ OptionTable declareOptions(Settings& s) {
   options.text(
       "surface", &s.surface, "FILE",
       "take shape and colours from a surface made by pcl_slim_fit (.slim .pcd .ply .vtp): IN "
-      "only gives the number of points");
+      "only gives the number of points",
+      FileUse::kRead);
   declareComponentOption(options, s.min_component);
   options.integer("rays", &s.rays, 0, 100000000,
                   "rays, at random places, that look for holes; 0: no check");
@@ -278,13 +279,11 @@ Error lookForHoles(const Settings& s, const Input& input, const SplatSet& splats
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.params.threads);
 
   Input input;
   if (Error error = loadInput(options, s, console, report, input)) return Exit::usage(error);
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
   if (input.surface) {
     if (Error error = sampleGiven(s, console, report, input))
       return error.code == ErrorCode::kBadInput ? Exit::usage(error) : Exit(error);
@@ -306,5 +305,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(options, argc, argv,
+                        {"use a smaller scan", [&] { return finishSettings(options, s); },
+                         [&] { return run(options, s); }});
 }

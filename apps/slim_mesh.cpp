@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/filters/io/mesh_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
@@ -56,11 +58,10 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
 }
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_mesh", PCL_SLIM_VERSION,
-                      "Makes a triangle mesh of a scan's SLIM surface.");
-  options.positional("IN.pcd|.ply|.slim|.vtp", &s.files.input,
-                     "the scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.ply|.obj|.stl|.glb|.vtp", &s.files.output, "the mesh");
+  OptionTable options = programOptions("pcl_slim_mesh");
+  options.input("IN.pcd|.ply|.slim|.vtp", &s.files.input,
+                "the scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.ply|.obj|.stl|.glb|.vtp", &s.files.output, "the mesh", ".ply");
   declareMeshOptions(options, s);
   declareSurfaceOrFit(options, s.surface, s.job);
   declareReport(options, s.files);
@@ -247,7 +248,6 @@ Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.mesh.threads);
 
@@ -258,7 +258,6 @@ Exit run(const OptionTable& options, Settings& s) {
     if (!loaded) return Exit::usage(loaded.error());
     input.paint = std::move(*loaded);
   }
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   SLIMSurface sharp;
   const bool sharpened = isSharpened(s, input.scan);
@@ -291,5 +290,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"use a smaller scan", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <optional>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/cloud/neighbor_planes.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
@@ -26,11 +28,10 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_sample", PCL_SLIM_VERSION,
-                      "Spreads points evenly over the SLIM surface of a scan: blue noise.");
-  options.positional("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.pcd|.ply|.las|.vtp", &s.files.output,
-                     "the points, with normals and curvatures");
+  OptionTable options = programOptions("pcl_slim_sample");
+  options.input("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.pcd|.ply|.las|.vtp", &s.files.output,
+                 "the points, with normals and curvatures", ".ply");
   options.number("spacing", &s.sampling.spacing, 1e-300, 1e300,
                  "least distance of two points, in the scan's units", "off");
   options.integer("number", &s.sampling.count, 0, kMostSamples,
@@ -123,7 +124,6 @@ Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Re
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.job.params.threads);
 
@@ -133,7 +133,6 @@ Exit run(const OptionTable& options, Settings& s) {
     if (!loaded) return Exit::usage(loaded.error());
     scan = std::move(*loaded);
   }
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   SLIMSurface surface;
   const CloudFile* const points = scan ? &*scan : nullptr;
@@ -156,5 +155,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"use a smaller scan", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }
