@@ -12,13 +12,13 @@
 #include "common/programs.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_files.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -137,9 +137,7 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
 }
 
 /** What splats are made of: the points of a scan, or even samples of a surface. */
-struct Input {
-  std::optional<CloudFile> scan;
-  std::optional<SLIMSurface> surface;
+struct Input : ScanOrSurface {
   SurfaceSamples samples;         ///< of the surface
   std::vector<std::uint8_t> bgr;  ///< of the samples
 
@@ -160,32 +158,25 @@ struct Input {
   }
 };
 
-/** The surface that the input itself is. \param[in] surfels its points, where they are read
- * already */
-Error loadSurfaceItself(const OptionTable& options, const Settings& s, const PointFile* surfels,
-                        Console& console, Report& report, Input& input) {
+/** Why the options do not suit an input that is a surface itself. */
+Error checkSurfaceItself(const OptionTable& options, const Settings& s) {
+  const std::string input = "'" + s.files.input + "'";
   if (!s.surface.empty()) {
     return {ErrorCode::kBadArgument,
-            "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
+            input + " is a surface itself: leave -surface out, or name a scan"};
   }
   for (const char* name : kNormalOptions) {
     if (!options.given(name)) continue;
-    return {ErrorCode::kBadArgument, "'" + s.files.input +
-                                         "' is a surface, which has its own normals: " + "leave -" +
-                                         name + " out"};
+    return {ErrorCode::kBadArgument,
+            input + " is a surface, which has its own normals: leave -" + name + " out"};
   }
-  return loadGiven(s.files.input, console, report, input.surface.emplace(), surfels);
+  return {};
 }
 
 Error loadInput(const OptionTable& options, const Settings& s, Console& console, Report& report,
                 Input& input) {
-  if (holdsSurface(s.files.input, nullptr))
-    return loadSurfaceItself(options, s, nullptr, console, report, input);
-  Result<CloudFile> loaded = loadScan(s.files.input, s.scan, console, report);
-  if (!loaded) return loaded.error();
-  if (holdsSurface(s.files.input, &*loaded))
-    return loadSurfaceItself(options, s, &loaded->file, console, report, input);
-  input.scan = std::move(*loaded);
+  if (Error error = loadScanOrSurface(s.files.input, s.scan, console, report, input)) return error;
+  if (input.surface) return checkSurfaceItself(options, s);
   if (!s.surface.empty()) return loadGiven(s.surface, console, report, input.surface.emplace());
   if (!options.given("min_component")) return {};
   return {ErrorCode::kBadArgument, "-min_component is of surfaces: give -surface, or leave it out"};

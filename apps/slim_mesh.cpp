@@ -8,7 +8,6 @@
 #include "common/program.h"
 #include "common/programs.h"
 #include "pcl_slim/filters/io/mesh_files.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/surface_probe.h"
@@ -16,6 +15,7 @@
 #include "scan/paint_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -83,23 +83,13 @@ Error finishSettings(Settings& s) {
   return s.mesh.validate();
 }
 
-/** What a mesh is made from. */
-struct Input {
-  std::optional<CloudFile> scan;       ///< none where the input is a surface itself
-  std::optional<SLIMSurface> surface;  ///< that input, or -surface; none: to be fitted
-  std::optional<CloudFile> paint;      ///< another cloud with the colours of the mesh
+/** What a mesh is made from: the surface is the input itself or -surface; none: to be fitted. */
+struct Input : ScanOrSurface {
+  std::optional<CloudFile> paint;  ///< another cloud with the colours of the mesh
 };
 
 Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
-  std::optional<PointFile> surfels;
-  if (!holdsSurface(s.files.input, nullptr)) {
-    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
-    if (!loaded) return loaded.error();
-    if (holdsSurface(s.files.input, &*loaded))
-      surfels = std::move(loaded->file);
-    else
-      input.scan = std::move(*loaded);
-  }
+  if (Error error = loadScanOrSurface(s.files.input, s.job, console, report, input)) return error;
   if (input.scan) {
     if (s.color == true && colorsOf(*input.scan).bgr == nullptr) {
       return badInput("'" + s.files.input +
@@ -112,9 +102,6 @@ Error loadInput(const Settings& s, Console& console, Report& report, Input& inpu
     return {ErrorCode::kBadArgument,
             "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
   }
-  if (Error error = loadGiven(s.files.input, console, report, input.surface.emplace(),
-                              surfels ? &*surfels : nullptr))
-    return error;
   if (s.color != true || input.surface->hasColors()) return {};
   return {ErrorCode::kBadArgument,
           "the surface has no colours: name its scan, with -surface " + s.files.input};

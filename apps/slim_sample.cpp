@@ -7,12 +7,12 @@
 #include "common/program.h"
 #include "common/programs.h"
 #include "pcl_slim/cloud/neighbor_planes.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_file.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -98,18 +98,6 @@ PointFile toFile(const SurfaceSamples& samples, int threads) {
   return file;
 }
 
-/** Reads the surface that the input is; borders as the options want them. \param[in] surfels its
- * points, where they are read already */
-Error readSurface(const Settings& s, const CloudFile* surfels, bool hole_given, Console& console,
-                  Report& report, SLIMSurface& surface) {
-  if (Error error = loadGiven(s.files.input, console, report, surface,
-                              surfels != nullptr ? &surfels->file : nullptr))
-    return error;
-  if (hole_given) surface.closeHoles(s.job.params.hole_size);
-  if (!s.job.params.trim) surface.dropTrimMaps();
-  return {};
-}
-
 Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
              SurfaceSamples& samples) {
   console.begin("Sampling");
@@ -127,19 +115,16 @@ Exit run(const OptionTable& options, Settings& s) {
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.job.params.threads);
 
-  std::optional<CloudFile> scan;  // none of a .slim
-  if (!holdsSurface(s.files.input, nullptr)) {
-    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
-    if (!loaded) return Exit::usage(loaded.error());
-    scan = std::move(*loaded);
-  }
-
-  SLIMSurface surface;
-  const CloudFile* const points = scan ? &*scan : nullptr;
-  if (Error error = holdsSurface(s.files.input, points)
-                        ? readSurface(s, points, options.given("hole"), console, report, surface)
-                        : fitScan(s.job, *scan, console, report, surface))
+  ScanOrSurface input;
+  if (Error error = loadScanOrSurface(s.files.input, s.job, console, report, input))
+    return Exit::usage(error);
+  if (input.surface) {
+    if (options.given("hole")) input.surface->closeHoles(s.job.params.hole_size);
+    if (!s.job.params.trim) input.surface->dropTrimMaps();
+  } else if (Error error = fitScan(s.job, *input.scan, console, report, input.surface.emplace())) {
     return error;
+  }
+  SLIMSurface& surface = *input.surface;
   leaveOutComponents(s.min_component, s.job.params.threads, {}, console, &report, surface);
 
   SurfaceSamples samples;

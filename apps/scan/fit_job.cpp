@@ -265,25 +265,6 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
   return cloud;
 }
 
-bool holdsSurface(const std::string& path, const CloudFile* cloud) {
-  return lowerExtension(path) == ".slim" ||
-         (cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0);
-}
-
-Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface,
-                const PointFile* read) {
-  console.begin("Loading " + path);
-  Result<SLIMSurface> loaded = read != nullptr ? surfaceFrom(*read) : loadSurface(path);
-  if (!loaded && read != nullptr)
-    return console.failed({loaded.error().code, "'" + path + "': " + loaded.error().message});
-  if (!loaded) return console.failed(loaded.error());
-  surface = std::move(*loaded);
-  report.time("load_surface", console.seconds());
-  reportSurface(path, surface, report);
-  console.done(counted(surface.numLeaves(), "surfel"));
-  return {};
-}
-
 namespace {
 
 /** Options that had no effect on this scan, one line each. */
