@@ -52,18 +52,13 @@ Error checkTerminal(const OptionTable& options) {
 Exit run(OptionTable& options, const char* invoked, const FileProgram& program) {
   SeveralInputs several(options);
   if (Error error = several.plan()) return Exit::usage(error);
+  if (Error error = several.check()) return Exit::usage(error);
   if (Error error = checkTerminal(options)) return Exit::usage(error);
   StandardOutput stream;
   if (Error error = stream.take(options)) return Exit::usage(error);
   if (Error error = program.finish()) return Exit::usage(error);
   if (Error error = checkPlacesWritten(options)) return Exit::usage(error);
-  Exit exit;
-  if (several.any()) {
-    if (Error error = several.check()) return Exit::usage(error);
-    exit = several.run(invoked);
-  } else {
-    exit = program.run();
-  }
+  const Exit exit = several.any() ? several.run(invoked) : program.run();
   if (exit.status != kExitDone) return exit;
   return stream.send();
 }

@@ -158,16 +158,15 @@ void OptionTable::text(const std::string& name, std::string* target, const std::
 void OptionTable::outputNames(OutputNames* names, bool several) {
   names_ = names;
   if (several) {
-    text(
-        "out", &names->folder, "DIR",
-        "folder of the outputs: each IN, of which there may be several then, gives one of its name",
-        FileUse::kScratch);
+    text("out", &names->folder, "DIR",
+         "folder of the outputs, one for each IN and named after it; several IN may be given",
+         FileUse::kScratch);
   }
   std::vector<std::string> words;
   for (const std::string& format : formats_) words.push_back(format.substr(1));
   choice("format", &names->format, words,
-         several ? "format of outputs in -out, or of standard output, which is -"
-                 : "format of standard output, which is -");
+         several ? "format of outputs in -out and of standard output (-)"
+                 : "format of standard output (-)");
   options_.back().default_text = usual_.empty() ? "the input's" : usual_.substr(1);
 }
 

@@ -131,7 +131,7 @@ absent none.png
 keepsOld kept.png pcl_slim_render $small surface.slim
 expect 2 'overwritten' pcl_slim_render surface.slim kept.png $small -save_camera ./surface.slim
 expect 2 'share' pcl_slim_render surface.slim kept.png $small -save_camera cam.txt -json ./cam.txt
-expect 1 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
+expect 2 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
 expect 1 'smaller picture' pcl_slim_render surface.slim kept.png -size 20000x20000 -max_memory 400
 absent kept.png cam.txt
 for key in program version input points threads total load render peak_rss_mb leaves levels \
