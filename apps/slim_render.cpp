@@ -47,7 +47,7 @@ OptionTable declareOptions(Settings& s) {
               "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a mesh, "
               "also .obj .off .stl");
   table.output("OUT.png|.ppm|.html", &s.output, "picture or page",
-               checkImageExtension(".png") ? ".ppm" : ".png");
+               checkImageExtension("x.png") ? ".ppm" : ".png");
   s.view.declareSize(table);
   s.picture.declareColors(table);
   s.traced.declare(table);

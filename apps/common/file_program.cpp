@@ -58,7 +58,7 @@ Exit run(OptionTable& options, const char* invoked, const FileProgram& program) 
   if (Error error = stream.take(options)) return Exit::usage(error);
   if (Error error = program.finish()) return Exit::usage(error);
   if (Error error = checkPlacesWritten(options)) return Exit::usage(error);
-  const Exit exit = several.any() ? several.run(invoked) : program.run();
+  Exit exit = several.any() ? several.run(invoked) : program.run();
   if (exit.status != kExitDone) return exit;
   return stream.send();
 }

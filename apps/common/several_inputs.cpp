@@ -58,6 +58,7 @@ int statusOf(pid_t process) {
 /** Starts this program once more. \return its process, or -1. */
 pid_t startSelf(std::vector<std::string> words, const char* invoked) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   constexpr const char* kSelf = "/proc/self/exe";

@@ -95,7 +95,7 @@ Error StandardOutput::send() {
   unlink(path_.c_str());
   path_.clear();
   endOnSignals();
-  const Error error = send(file);
+  Error error = send(file);
   close(file);
   return error;
 }
