@@ -71,7 +71,7 @@ OptionTable declareOptions(Settings& s) {
   table.number("lod", &s.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
-  table.outputNames(&s.names, true);
+  table.outputNames(&s.names);
   table.text("json", &s.json, "FILE", "write a report", FileUse::kWritten);
   declareMemoryLimit(table);
   table.toggle("quiet", &s.quiet, "print nothing");

@@ -39,8 +39,7 @@ std::vector<std::string> OptionTable::forms() const {
   std::string given;
   for (const Positional& p : positionals_) given += (given.empty() ? "" : " ") + p.name;
   std::vector<std::string> all = {given + rest};
-  if (names_ != nullptr && find("out") != nullptr)
-    all.push_back(positionals_.front().name + "... -out DIR" + rest);
+  if (names_ != nullptr) all.push_back(positionals_.front().name + "... -out DIR" + rest);
   return all;
 }
 

@@ -155,18 +155,14 @@ void OptionTable::text(const std::string& name, std::string* target, const std::
   options_.push_back(option);
 }
 
-void OptionTable::outputNames(OutputNames* names, bool several) {
+void OptionTable::outputNames(OutputNames* names) {
   names_ = names;
-  if (several) {
-    text("out", &names->folder, "DIR",
-         "folder of the outputs, one for each IN and named after it; several IN may be given",
-         FileUse::kScratch);
-  }
+  text("out", &names->folder, "DIR",
+       "folder of the outputs, one for each IN and named after it; several IN may be given",
+       FileUse::kScratch);
   std::vector<std::string> words;
   for (const std::string& format : formats_) words.push_back(format.substr(1));
-  choice("format", &names->format, words,
-         several ? "format of outputs in -out and of standard output (-)"
-                 : "format of standard output (-)");
+  choice("format", &names->format, words, "format of outputs in -out and of standard output (-)");
   options_.back().default_text = usual_.empty() ? "the input's" : usual_.substr(1);
 }
 
@@ -305,9 +301,9 @@ std::string OptionTable::takePositional(const std::string& word, const Option* b
     return "";
   }
   if (bare) return "option -" + bare->name + " got '" + word + "'; give 0 or 1";
-  const bool several = find("out") != nullptr && names_ != nullptr;
   return "unexpected argument '" + word + "'; " +
-         (several ? "give -out DIR for several inputs, or " : "") + "see " + program_ + " -h";
+         (names_ != nullptr ? "give -out DIR for several inputs, or " : "") + "see " + program_ +
+         " -h";
 }
 
 /** Takes an option and its value: the one after "=", or else the next argument if there is one. A
@@ -336,7 +332,7 @@ std::string OptionTable::takeOption(Option& option, const std::optional<std::str
 /** Reads every argument; the text returned, if any, names the first mistake. */
 std::string OptionTable::parseArguments(int argc, const char* const* argv) {
   std::size_t next = 0;
-  for (int i = 1; i < argc && names_ != nullptr && find("out") != nullptr; ++i) {
+  for (int i = 1; i < argc && names_ != nullptr; ++i) {
     const std::string word = argv[i];
     has_folder_ =
         has_folder_ || (word.size() > 1 && word[0] == '-' && OptionWord(word).name == "out");

@@ -106,9 +106,9 @@ class OptionTable {
   /** \brief Three numbers, or none. */
   void numbers(const std::string& name, std::optional<std::array<double, 3>>* target,
                const std::string& value_name, const std::string& help);
-  /** \brief Adds -format, the format of an output without a name and, if several inputs are
-   * possible, -out, the folder of their outputs. Needs output(). */
-  void outputNames(OutputNames* names, bool several);
+  /** \brief Adds -out, the folder of the outputs of several inputs, and -format, that of an output
+   * without a name. Needs output(). */
+  void outputNames(OutputNames* names);
   /** \brief Of these options at most one may be given. */
   void exclusive(const std::vector<std::string>& names);
 

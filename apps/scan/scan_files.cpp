@@ -7,7 +7,7 @@
 namespace pcl_slim {
 
 void declareReport(OptionTable& options, ScanFiles& files, bool several) {
-  options.outputNames(&files.names, several);
+  if (several) options.outputNames(&files.names);
   options.text("json", &files.json, "FILE", "write a report", FileUse::kWritten);
   declareMemoryLimit(options);
   options.toggle("quiet", &files.quiet, "say nothing but errors");

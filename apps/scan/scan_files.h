@@ -16,8 +16,8 @@ struct ScanFiles {
   bool quiet = false;
 };
 
-/** \brief Declares -out, where several inputs are possible, -format, -json, -max_memory and -quiet;
- * files must outlive the table's parse(). */
+/** \brief Declares -out and -format, where several inputs are possible, -json, -max_memory and
+ * -quiet; files must outlive the table's parse(). */
 void declareReport(OptionTable& options, ScanFiles& files, bool several = true);
 
 /** \brief No error unless input, output and report share a file, or one that is written with others
