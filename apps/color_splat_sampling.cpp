@@ -8,16 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "common/run_program.h"
+#include "common/file_program.h"
+#include "common/programs.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_files.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -43,12 +44,11 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
-                      "Thins a coloured scan to discs that cover its surface without holes.");
+  OptionTable options = programOptions("pcl_color_splat_sampling");
   SplatParams& p = s.params;
-  options.positional("IN", &s.files.input, "the scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.pcd|.ply|.vtp", &s.files.output,
-                     "the splats: x y z, normal, rgba, radius");
+  options.input("IN", &s.files.input, "the scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.pcd|.ply|.vtp", &s.files.output, "the splats: x y z, normal, rgba, radius",
+                 ".ply");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
   options.number("geo", &p.geometric_error, 0, 1e6,
@@ -78,7 +78,8 @@ OptionTable declareOptions(Settings& s) {
   options.text(
       "surface", &s.surface, "FILE",
       "take shape and colours from a surface made by pcl_slim_fit (.slim .pcd .ply .vtp): IN "
-      "only gives the number of points");
+      "only gives the number of points",
+      FileUse::kRead);
   declareComponentOption(options, s.min_component);
   options.integer("rays", &s.rays, 0, 100000000,
                   "rays, at random places, that look for holes; 0: no check");
@@ -136,9 +137,7 @@ void reportSplats(const SplatStatistics& st, bool has_colors, Report& report) {
 }
 
 /** What splats are made of: the points of a scan, or even samples of a surface. */
-struct Input {
-  std::optional<CloudFile> scan;
-  std::optional<SLIMSurface> surface;
+struct Input : ScanOrSurface {
   SurfaceSamples samples;         ///< of the surface
   std::vector<std::uint8_t> bgr;  ///< of the samples
 
@@ -159,32 +158,25 @@ struct Input {
   }
 };
 
-/** The surface that the input itself is. \param[in] surfels its points, where they are read
- * already */
-Error loadSurfaceItself(const OptionTable& options, const Settings& s, const PointFile* surfels,
-                        Console& console, Report& report, Input& input) {
+/** Why the options do not suit an input that is a surface itself. */
+Error checkSurfaceItself(const OptionTable& options, const Settings& s) {
+  const std::string input = "'" + s.files.input + "'";
   if (!s.surface.empty()) {
     return {ErrorCode::kBadArgument,
-            "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
+            input + " is a surface itself: leave -surface out, or name a scan"};
   }
   for (const char* name : kNormalOptions) {
     if (!options.given(name)) continue;
-    return {ErrorCode::kBadArgument, "'" + s.files.input +
-                                         "' is a surface, which has its own normals: " + "leave -" +
-                                         name + " out"};
+    return {ErrorCode::kBadArgument,
+            input + " is a surface, which has its own normals: leave -" + name + " out"};
   }
-  return loadGiven(s.files.input, console, report, input.surface.emplace(), surfels);
+  return {};
 }
 
 Error loadInput(const OptionTable& options, const Settings& s, Console& console, Report& report,
                 Input& input) {
-  if (holdsSurface(s.files.input, nullptr))
-    return loadSurfaceItself(options, s, nullptr, console, report, input);
-  Result<CloudFile> loaded = loadScan(s.files.input, s.scan, console, report);
-  if (!loaded) return loaded.error();
-  if (holdsSurface(s.files.input, &*loaded))
-    return loadSurfaceItself(options, s, &loaded->file, console, report, input);
-  input.scan = std::move(*loaded);
+  if (Error error = loadScanOrSurface(s.files.input, s.scan, console, report, input)) return error;
+  if (input.surface) return checkSurfaceItself(options, s);
   if (!s.surface.empty()) return loadGiven(s.surface, console, report, input.surface.emplace());
   if (!options.given("min_component")) return {};
   return {ErrorCode::kBadArgument, "-min_component is of surfaces: give -surface, or leave it out"};
@@ -278,13 +270,11 @@ Error lookForHoles(const Settings& s, const Input& input, const SplatSet& splats
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.params.threads);
 
   Input input;
   if (Error error = loadInput(options, s, console, report, input)) return Exit::usage(error);
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
   if (input.surface) {
     if (Error error = sampleGiven(s, console, report, input))
       return error.code == ErrorCode::kBadInput ? Exit::usage(error) : Exit(error);
@@ -306,5 +296,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(options, argc, argv,
+                        {"use a smaller scan", [&] { return finishSettings(options, s); },
+                         [&] { return run(options, s); }});
 }

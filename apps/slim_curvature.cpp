@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/file_program.h"
+#include "common/programs.h"
 #include "pcl_slim/core/parallel.h"
 #include "projection/piece_stream.h"
 #include "projection/projection_job.h"
@@ -14,8 +16,7 @@ namespace {
 using namespace pcl_slim;
 
 OptionTable declareOptions(ProjectionJob& job) {
-  OptionTable options("pcl_slim_curvature", PCL_SLIM_VERSION,
-                      "Adds the curvatures and normals of a scan's SLIM surface to its points.");
+  OptionTable options = programOptions("pcl_slim_curvature");
   options.toggle("directions", &job.more_fields, "also write the unit tangents of k1 and k2");
   declareProjection(options, job);
   return options;
@@ -72,7 +73,6 @@ PointFile withCurvatures(const PointFile& file, const CloudProjection& projectio
 }
 
 Exit run(const OptionTable& options, ProjectionJob& job) {
-  if (Error error = finishProjection(options, job)) return Exit::usage(error);
   Console console(job.files.quiet);
   Report report(options, job.files.input, job.fit.params.threads);
 
@@ -88,7 +88,6 @@ Exit run(const OptionTable& options, ProjectionJob& job) {
     if (Error error = readSurface(job.surface, &*scan, console, report, surface))
       return Exit::usage(error);
   }
-  if (Error error = checkOutputs(job.files.output, job.files.json)) return error;
   warnOfLeftOut(*scan, console);
 
   PointStore store;
@@ -107,5 +106,7 @@ int main(int argc, char** argv) {
   ProjectionJob job;
   job.projection.directions = job.projection.planes = true;
   OptionTable options = declareOptions(job);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, job); });
+  return runFileProgram(options, argc, argv,
+                        {"use a smaller scan", [&] { return finishProjection(options, job); },
+                         [&] { return run(options, job); }});
 }

@@ -9,7 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_job.h"
@@ -34,10 +36,9 @@ struct Settings {
 constexpr int kRoundedColors = 2;  ///< greatest error of colours in rounded files, of 255
 
 OptionTable declareOptions(const char* program, Settings& s) {
-  OptionTable options(program, PCL_SLIM_VERSION,
-                      "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
-  options.positional("IN", &s.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply|.vtp|.pvtp|.slim", &s.files.output, "the surface");
+  OptionTable options = programOptions(program);
+  options.input("IN", &s.files.input, kScanHelp);
+  options.output("OUT.pcd|.ply|.vtp|.pvtp|.slim", &s.files.output, "the surface", ".slim");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
   declareColorOption(options, s.job);
@@ -51,7 +52,7 @@ OptionTable declareOptions(const char* program, Settings& s) {
   options.integer("color_error", &s.rounding.color_error, 0, 32,
                   "greatest error of the colours in a .slim's textures, of 255",
                   "0, or 2 with -quantize");
-  declareReport(options, s.files);
+  declareReport(options, s.files, s.tiles.ranks == nullptr);
   return options;
 }
 
@@ -129,17 +130,13 @@ Exit fitTiles(const Settings& s, PointSource& source, Console& console, Report& 
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.job.params.threads);
 
   std::unique_ptr<PointSource> source;  // of a scan that is fitted by tiles
   if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, source))
     return Exit::usage(error);
-  if (source) {
-    if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
-    return fitTiles(s, *source, console, report);
-  }
+  if (source) return fitTiles(s, *source, console, report);
 
   const Result<CloudFile> scan = loadScan(s.files.input, s.job, console, report);
   if (!scan) return Exit::usage(scan.error());
@@ -149,7 +146,6 @@ Exit run(const OptionTable& options, Settings& s) {
     if (!loaded) return Exit::usage(loaded.error());
     paint = std::move(*loaded);
   }
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
   SLIMSurface surface;
   if (Error error = fitScan(s.job, *scan, console, report, surface)) return error;
   if (paint) {
@@ -171,7 +167,9 @@ int runFit(const char* program, int argc, const char* const* argv, Ranks* ranks)
   s.tiles.ranks = ranks;
   if (ranks != nullptr) s.job.params.threads = 1;
   OptionTable options = declareOptions(program, s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(options, argc, argv,
+                        {"use a smaller scan", [&] { return finishSettings(options, s); },
+                         [&] { return run(options, s); }});
 }
 
 }  // namespace pcl_slim

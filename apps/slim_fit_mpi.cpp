@@ -27,6 +27,16 @@ bool isForOne(const std::vector<std::string>& arguments) {
   return false;
 }
 
+/** The one process of texts that a build makes, without an MPI job. */
+class OneRank : public pcl_slim::Ranks {
+ public:
+  int rank() const override { return 0; }
+  int size() const override { return 1; }
+
+ protected:
+  void swap(std::vector<Bytes>&) override {}
+};
+
 /** Keeps what a rank but the first prints, for the one whose failure is to be read. */
 class KeptOutput {
  public:
@@ -71,6 +81,12 @@ int settle(int rank, int ranks, int status, KeptOutput& output) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument != "--help-man" && argument != "--help-completion") continue;
+    OneRank one;
+    return pcl_slim::runFit(kProgram, argc, argv, &one);
+  }
   int provided = 0, rank = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -4,7 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/scan/scan.h"
@@ -26,10 +28,9 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_lines", PCL_SLIM_VERSION,
-                      "Traces the ridges and ravines of a scan as polylines.");
-  options.positional("IN", &s.files.input, kScanHelp);
-  options.positional("OUT.vtp|.ply|.pcd|.svg", &s.files.output, "the lines");
+  OptionTable options = programOptions("pcl_slim_lines");
+  options.input("IN", &s.files.input, kScanHelp);
+  options.output("OUT.vtp|.ply|.pcd|.svg", &s.files.output, "the lines", ".ply");
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
   options.number("significance", &s.crest.significance, 0, 1e6,
                  "deviations of the noise that a line stands out, and 3.25 times that at its peak");
@@ -130,7 +131,6 @@ Result<PointStore> storeOf(const Settings& s, const CloudFile& scan) {
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.job.params.threads);
 
@@ -139,7 +139,6 @@ Exit run(const OptionTable& options, Settings& s) {
   const bool fits = s.surface.empty();
   Result<SLIMSurface> surface = fits ? SLIMSurface() : loadSurface(s.surface);
   if (!surface) return Exit::usage(surface.error());
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   Result<PointStore> store = fits ? PointStore() : storeOf(s, *scan);
   if (!store) return store.error();
@@ -162,5 +161,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"use a smaller scan", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }

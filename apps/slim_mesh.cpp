@@ -4,9 +4,10 @@
 #include <cmath>
 #include <optional>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/filters/io/mesh_files.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/surface_probe.h"
@@ -14,6 +15,7 @@
 #include "scan/paint_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -56,11 +58,10 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
 }
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_mesh", PCL_SLIM_VERSION,
-                      "Makes a triangle mesh of a scan's SLIM surface.");
-  options.positional("IN.pcd|.ply|.slim|.vtp", &s.files.input,
-                     "the scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.ply|.obj|.stl|.glb|.vtp", &s.files.output, "the mesh");
+  OptionTable options = programOptions("pcl_slim_mesh");
+  options.input("IN.pcd|.ply|.slim|.vtp", &s.files.input,
+                "the scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.ply|.obj|.stl|.glb|.vtp", &s.files.output, "the mesh", ".ply");
   declareMeshOptions(options, s);
   declareSurfaceOrFit(options, s.surface, s.job);
   declareReport(options, s.files);
@@ -82,23 +83,13 @@ Error finishSettings(Settings& s) {
   return s.mesh.validate();
 }
 
-/** What a mesh is made from. */
-struct Input {
-  std::optional<CloudFile> scan;       ///< none where the input is a surface itself
-  std::optional<SLIMSurface> surface;  ///< that input, or -surface; none: to be fitted
-  std::optional<CloudFile> paint;      ///< another cloud with the colours of the mesh
+/** What a mesh is made from: the surface is the input itself or -surface; none: to be fitted. */
+struct Input : ScanOrSurface {
+  std::optional<CloudFile> paint;  ///< another cloud with the colours of the mesh
 };
 
 Error loadInput(const Settings& s, Console& console, Report& report, Input& input) {
-  std::optional<PointFile> surfels;
-  if (!holdsSurface(s.files.input, nullptr)) {
-    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
-    if (!loaded) return loaded.error();
-    if (holdsSurface(s.files.input, &*loaded))
-      surfels = std::move(loaded->file);
-    else
-      input.scan = std::move(*loaded);
-  }
+  if (Error error = loadScanOrSurface(s.files.input, s.job, console, report, input)) return error;
   if (input.scan) {
     if (s.color == true && colorsOf(*input.scan).bgr == nullptr) {
       return badInput("'" + s.files.input +
@@ -111,9 +102,6 @@ Error loadInput(const Settings& s, Console& console, Report& report, Input& inpu
     return {ErrorCode::kBadArgument,
             "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
   }
-  if (Error error = loadGiven(s.files.input, console, report, input.surface.emplace(),
-                              surfels ? &*surfels : nullptr))
-    return error;
   if (s.color != true || input.surface->hasColors()) return {};
   return {ErrorCode::kBadArgument,
           "the surface has no colours: name its scan, with -surface " + s.files.input};
@@ -247,7 +235,6 @@ Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.mesh.threads);
 
@@ -258,7 +245,6 @@ Exit run(const OptionTable& options, Settings& s) {
     if (!loaded) return Exit::usage(loaded.error());
     input.paint = std::move(*loaded);
   }
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
 
   SLIMSurface sharp;
   const bool sharpened = isSharpened(s, input.scan);
@@ -291,5 +277,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"use a smaller scan", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }

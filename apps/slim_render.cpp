@@ -6,8 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/file_program.h"
 #include "common/options.h"
 #include "common/program.h"
+#include "common/programs.h"
+#include "common/standard_output.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/frame_blocks.h"
 #include "pcl_slim/render/shading.h"
@@ -26,6 +29,7 @@ constexpr double kBytesOfPixel = 40;  ///< of a frame and its picture at least, 
 
 struct Settings {
   std::string input, output, sides = "auto", save_camera, json;
+  OutputNames names;  ///< in place of output
   ViewRequest view;
   PictureRequest picture;
   RegionRequest region;
@@ -38,21 +42,20 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
-                    "Renders a SLIM surface (.pcd .ply .vtp .slim), splats or a mesh into a "
-                    "picture, surfaces and splats also into a page for browsers; no X server "
-                    "needed.");
-  table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
-                   "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a mesh, "
-                   "also .obj .off .stl");
-  table.positional("OUT.png|.ppm|.html", &s.output, "picture or page");
+  OptionTable table = programOptions("pcl_slim_render");
+  table.input("IN.pcd|.ply|.vtp|.slim", &s.input,
+              "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a mesh, "
+              "also .obj .off .stl");
+  table.output("OUT.png|.ppm|.html", &s.output, "picture or page",
+               checkImageExtension("x.png") ? ".ppm" : ".png");
   s.view.declareSize(table);
   s.picture.declareColors(table);
   s.traced.declare(table);
   table.toggle("filtered", &s.filtered,
                "blend splats, none below a pixel; 0: the nearest as it is");
   s.view.declareCamera(table);
-  table.text("save_camera", &s.save_camera, "FILE", "write the camera, for -camera FILE");
+  table.text("save_camera", &s.save_camera, "FILE", "write the camera, for -camera FILE",
+             FileUse::kWritten);
   table.integer("turntable", &s.turntable, 1, 10000,
                 "pictures all the way round: OUT_000.png, OUT_001.png ...");
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
@@ -68,7 +71,8 @@ OptionTable declareOptions(Settings& s) {
   table.number("lod", &s.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
-  table.text("json", &s.json, "FILE", "write a report");
+  table.outputNames(&s.names);
+  table.text("json", &s.json, "FILE", "write a report", FileUse::kWritten);
   declareMemoryLimit(table);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
@@ -226,7 +230,7 @@ Result<std::uint64_t> renderTracedModel(const Settings& s, const Model& model,
 Error writePage(const Settings& s, const Model& model, const ChosenView& view, Console& console,
                 Report& report) {
   const Camera& camera = view.camera;
-  console.begin("Writing " + s.output);
+  console.begin("Writing " + shownName(s.output));
   PageParams params;
   params.title = PageRequest::titleOf(s.input);
   params.up = view.up;
@@ -264,7 +268,7 @@ Error renderModel(const Settings& s, const Model& model, const Turntable& table,
   report.time("render", seconds);
   console.done(seconds, std::to_string(*covered) + " rays met the surface");
   report.time("save", save_seconds);
-  console.begin("Saving " + s.output);
+  console.begin("Saving " + shownName(s.output));
   console.done(save_seconds, s.view.size_text + " pixels");
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
@@ -369,17 +373,15 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   if (!PageRequest::isPage(s.output)) {
     if (Error error = checkImageExtension(s.output)) return error;
   }
-  return checkPlaces({s.input, s.lines.file, s.view.camera},
-                     {Turntable::path(s.output, 0, s.turntable), s.save_camera, s.json});
-}
-
-Error checkWritten(const Settings& s) {
-  for (const std::string& path :
-       {Turntable::path(s.output, 0, s.turntable), s.save_camera, s.json}) {
-    if (path.empty()) continue;
-    if (Error error = checkWritable(path)) return error;
+  if (s.turntable > 1 && isStandardOutput(s.output)) {
+    return {ErrorCode::kBadArgument,
+            "standard output takes one picture: name a file for those of -turntable"};
   }
-  return {};
+  const std::string first = Turntable::path(s.output, 0, s.turntable);
+  if (Error error =
+          checkPlaces({s.input, s.lines.file, s.view.camera}, {first, s.save_camera, s.json}))
+    return error;
+  return checkWritable(first);
 }
 
 /** Prints which options have no effect on what is drawn. */
@@ -423,8 +425,6 @@ Exit draw(const Settings& s, const Model& model, const Turntable& table, Console
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(options, s)) return Exit::usage(error);
-  if (Error error = checkWritten(s)) return error;
   Console console(s.quiet);
   Report report(options, s.input, s.threads);
 
@@ -468,6 +468,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "ask for a smaller picture",
-                    [&] { return run(options, s); });
+  return runFileProgram(options, argc, argv,
+                        {"ask for a smaller picture", [&] { return finishSettings(options, s); },
+                         [&] { return run(options, s); }});
 }

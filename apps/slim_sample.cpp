@@ -3,14 +3,16 @@
 #include <cmath>
 #include <optional>
 
+#include "common/file_program.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/cloud/neighbor_planes.h"
-#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_file.h"
 #include "scan/fit_job.h"
 #include "scan/scan_files.h"
 #include "scan/small_components.h"
+#include "scan/surface_input.h"
 
 namespace {
 
@@ -26,11 +28,10 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_sample", PCL_SLIM_VERSION,
-                      "Spreads points evenly over the SLIM surface of a scan: blue noise.");
-  options.positional("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.pcd|.ply|.las|.vtp", &s.files.output,
-                     "the points, with normals and curvatures");
+  OptionTable options = programOptions("pcl_slim_sample");
+  options.input("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
+  options.output("OUT.pcd|.ply|.las|.vtp", &s.files.output,
+                 "the points, with normals and curvatures", ".ply");
   options.number("spacing", &s.sampling.spacing, 1e-300, 1e300,
                  "least distance of two points, in the scan's units", "off");
   options.integer("number", &s.sampling.count, 0, kMostSamples,
@@ -97,18 +98,6 @@ PointFile toFile(const SurfaceSamples& samples, int threads) {
   return file;
 }
 
-/** Reads the surface that the input is; borders as the options want them. \param[in] surfels its
- * points, where they are read already */
-Error readSurface(const Settings& s, const CloudFile* surfels, bool hole_given, Console& console,
-                  Report& report, SLIMSurface& surface) {
-  if (Error error = loadGiven(s.files.input, console, report, surface,
-                              surfels != nullptr ? &surfels->file : nullptr))
-    return error;
-  if (hole_given) surface.closeHoles(s.job.params.hole_size);
-  if (!s.job.params.trim) surface.dropTrimMaps();
-  return {};
-}
-
 Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
              SurfaceSamples& samples) {
   console.begin("Sampling");
@@ -123,24 +112,19 @@ Error sample(const Settings& s, const SLIMSurface& surface, Console& console, Re
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.job.params.threads);
 
-  std::optional<CloudFile> scan;  // none of a .slim
-  if (!holdsSurface(s.files.input, nullptr)) {
-    Result<CloudFile> loaded = loadScan(s.files.input, s.job, console, report);
-    if (!loaded) return Exit::usage(loaded.error());
-    scan = std::move(*loaded);
-  }
-  if (Error error = checkOutputs(s.files.output, s.files.json)) return error;
-
-  SLIMSurface surface;
-  const CloudFile* const points = scan ? &*scan : nullptr;
-  if (Error error = holdsSurface(s.files.input, points)
-                        ? readSurface(s, points, options.given("hole"), console, report, surface)
-                        : fitScan(s.job, *scan, console, report, surface))
+  ScanOrSurface input;
+  if (Error error = loadScanOrSurface(s.files.input, s.job, console, report, input))
+    return Exit::usage(error);
+  if (input.surface) {
+    if (options.given("hole")) input.surface->closeHoles(s.job.params.hole_size);
+    if (!s.job.params.trim) input.surface->dropTrimMaps();
+  } else if (Error error = fitScan(s.job, *input.scan, console, report, input.surface.emplace())) {
     return error;
+  }
+  SLIMSurface& surface = *input.surface;
   leaveOutComponents(s.min_component, s.job.params.threads, {}, console, &report, surface);
 
   SurfaceSamples samples;
@@ -156,5 +140,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"use a smaller scan", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }

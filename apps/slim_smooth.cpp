@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/file_program.h"
+#include "common/programs.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
 #include "projection/piece_stream.h"
@@ -22,8 +24,7 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_smooth", PCL_SLIM_VERSION,
-                      "Smooths a scan: moves its points onto the SLIM surface fitted to it.");
+  OptionTable options = programOptions("pcl_slim_smooth");
   options.toggle("normals", &s.job.more_fields,
                  "also write the surface's normals and PCL's curvature; of a mesh, normals alone");
   options.toggle("curvatures", &s.job.curvatures,
@@ -207,7 +208,6 @@ Result<PointFile> smoothPoints(const Settings& s, const CloudFile& scan, SLIMSur
 
 Exit run(const OptionTable& options, Settings& s) {
   const ScanFiles& files = s.job.files;
-  if (Error error = finishSettings(options, s)) return Exit::usage(error);
   Console console(files.quiet);
   Report report(options, files.input, s.job.fit.params.threads);
 
@@ -226,7 +226,6 @@ Exit run(const OptionTable& options, Settings& s) {
     if (Error error = readSurface(s.job.surface, near, console, report, surface))
       return Exit::usage(error);
   }
-  if (Error error = checkOutputs(files.output, files.json)) return error;
   warnOfLeftOut(*scan, console);
 
   const Result<PointFile> made =
@@ -241,5 +240,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "use a smaller scan", [&] { return run(options, s); });
+  return runFileProgram(options, argc, argv,
+                        {"use a smaller scan", [&] { return finishSettings(options, s); },
+                         [&] { return run(options, s); }});
 }

@@ -2,8 +2,10 @@
 // pcl_slim_view: a window for SLIM surfaces, splats and scans.
 #include <string>
 
+#include "common/file_program.h"
 #include "common/options.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/shading.h"
 #include "pcl_slim/visualization/display_mode.h"
@@ -27,12 +29,9 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable table(
-      kProgram, PCL_SLIM_VERSION,
-      "Shows a SLIM surface (.pcd .ply .vtp .slim), splats (.pcd .ply .vtp) or a scan "
-      "(.pcd .ply), which is fitted on the fly, in a window, where h shows the keys.");
-  table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
-                   "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan");
+  OptionTable table = programOptions(kProgram);
+  table.input("IN.pcd|.ply|.vtp|.slim", &s.input,
+              "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan");
   s.viewer.view.declareSize(table);
   std::vector<std::string> modes = displayModeNames();
   modes.insert(modes.begin(), "auto");
@@ -63,7 +62,8 @@ OptionTable declareOptions(Settings& s) {
   s.viewer.region.declare(table);
   table.text("camera_file", &s.viewer.camera_file, "FILE",
              "where the keys c and C save and load the camera");
-  table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
+  table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window",
+             FileUse::kWritten);
   declareFitOptions(table, s.fit);
   declareTrimOptions(table, s.fit);
   declareComponentOption(table, s.min_component);
@@ -132,10 +132,6 @@ Error showModel(const Settings& s, Console& console, Model& model) {
 }
 
 Exit run(const OptionTable& options, Settings& s) {
-  if (Error error = finishSettings(s)) return Exit::usage(error);
-  if (!s.screenshot.empty()) {
-    if (Error error = checkWritable(s.screenshot)) return error;
-  }
   Console console(s.quiet);
   Result<ModelFile> file = readModelFile(s.input, s.fit.input.file);
   if (!file) return Exit::usage(file.error());
@@ -163,5 +159,7 @@ Exit run(const OptionTable& options, Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "show a smaller model", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"show a smaller model", [&] { return finishSettings(s); }, [&] { return run(options, s); }});
 }

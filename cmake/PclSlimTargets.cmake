@@ -117,7 +117,8 @@ endfunction()
 
 # pcl_slim_add_program(target source... [LINK lib...])
 #
-# Adds and installs a program. PCL's imported targets name all of VTK; only what is called is kept.
+# Adds and installs a program with its manual page and its completion for bash, which it prints itself
+# once it is linked. PCL's imported targets name all of VTK; only what is called is kept.
 function(pcl_slim_add_program target)
   cmake_parse_arguments(arg "" "" "LINK" ${ARGN})
   add_executable(${target} ${arg_UNPARSED_ARGUMENTS})
@@ -126,8 +127,27 @@ function(pcl_slim_add_program target)
   target_link_libraries(${target} PRIVATE ${arg_LINK})
   file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
   set_target_properties(${target} PROPERTIES INSTALL_RPATH $ORIGIN/${to_libraries})
+  set(page ${PROJECT_BINARY_DIR}/share/man/man1/${target}.1)
+  set(script ${PROJECT_BINARY_DIR}/share/bash-completion/completions/${target})
+  set(prints TRUE)
+  if(CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
+    set(prints FALSE)
+  endif()
+  if(prints)
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/man/man1
+      ${PROJECT_BINARY_DIR}/share/bash-completion/completions)
+    add_custom_command(TARGET ${target} POST_BUILD
+      COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${target}> --help-man > ${page}
+      COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${target}> --help-completion > ${script}
+      BYPRODUCTS ${page} ${script} VERBATIM)
+  endif()
   if(PCL_SLIM_INSTALL)
     install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+    if(prints)
+      install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
+      install(FILES ${script} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        COMPONENT programs)
+    endif()
   endif()
 endfunction()
 

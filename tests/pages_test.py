@@ -275,7 +275,8 @@ class Page:
         program = words[0]
         files = [part for word in words[1:] for part in word.split(",") if re.search(r"\w\.\w+$", part)]
         ours = next((i for i, word in enumerate(words) if word.rpartition("/")[2] in self.programs), None)
-        made = [] if ours is None else words[ours + 2:ours + 3]
+        place = None if ours is None else ours + (3 if words[ours] == "pcl_slim" else 2)
+        made = [] if place is None else words[place:place + 1]
         try:
             if program in SKIPPED:
                 raise Skip(SKIPPED[program])

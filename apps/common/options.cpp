@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
-#include <sstream>
 
-// The list of options and its uses: help, documentation, and the option that an unknown one
-// resembles. Then the command line into the options' targets.
+#include "pcl_slim/core/file_access.h"
+
+// The list of options, and the option that an unknown one resembles. Then the command line into the
+// options' targets. option_texts.cpp makes the texts of the list.
 
 namespace pcl_slim {
 
@@ -70,33 +71,21 @@ std::string rangeText(double low, double high) {
   return " from " + numberText(low) + " to " + numberText(high);
 }
 
-/** One argument of the help: its name, then its meaning in lines that end before column 80. */
-std::string helpRow(const std::string& name, const std::string& meaning) {
-  constexpr std::size_t kIndent = 28, kColumns = 79;
-  std::string text = "  " + name;
-  if (text.size() + 2 > kIndent) text += "\n";
-  std::size_t column = text.back() == '\n' ? 0 : text.size();
-  std::istringstream words(meaning);
-  for (std::string word; words >> word;) {
-    if (column >= kIndent && column + 1 + word.size() > kColumns) {
-      text += "\n";
-      column = 0;
-    }
-    const std::size_t gap = column < kIndent ? kIndent - column : 1;
-    text += std::string(gap, ' ') + word;
-    column += gap + word.size();
-  }
-  return text + "\n";
-}
-
 }  // namespace
 
 OptionTable::OptionTable(std::string program, std::string version, std::string summary)
     : program_(std::move(program)), version_(std::move(version)), summary_(std::move(summary)) {}
 
-void OptionTable::positional(const std::string& name, std::string* target,
-                             const std::string& help) {
-  positionals_.push_back({name, help, target});
+void OptionTable::output(const std::string& name, std::string* target, const std::string& help,
+                         const std::string& usual) {
+  positionals_.push_back({name, help, target, FileUse::kWritten});
+  output_ = target;
+  usual_ = usual;
+  for (std::size_t begin = name.find('.'); begin < name.size();) {
+    const std::size_t end = std::min(name.find('|', begin), name.size());
+    formats_.push_back(name.substr(begin, end - begin));
+    begin = end + 1;
+  }
 }
 
 void OptionTable::integer(const std::string& name, const Store<std::int64_t>& store,
@@ -155,13 +144,26 @@ void OptionTable::toggle(const std::string& name, std::optional<bool>* target,
 }
 
 void OptionTable::text(const std::string& name, std::string* target, const std::string& value_name,
-                       const std::string& help) {
+                       const std::string& help, FileUse use) {
   const auto assign = [target, value_name](const std::string& text) {
     *target = text;
     return text.empty() ? value_name : "";
   };
-  options_.push_back(
-      {Kind::kText, name, value_name, help, target->empty() ? "none" : *target, assign});
+  Option option{Kind::kText, name, value_name, help, target->empty() ? "none" : *target, assign};
+  option.use = use;
+  option.target = target;
+  options_.push_back(option);
+}
+
+void OptionTable::outputNames(OutputNames* names) {
+  names_ = names;
+  text("out", &names->folder, "DIR",
+       "folder of the outputs, one for each IN and named after it; several IN may be given",
+       FileUse::kScratch);
+  std::vector<std::string> words;
+  for (const std::string& format : formats_) words.push_back(format.substr(1));
+  choice("format", &names->format, words, "format of outputs in -out and of standard output (-)");
+  options_.back().default_text = usual_.empty() ? "the input's" : usual_.substr(1);
 }
 
 void OptionTable::choice(const std::string& name, std::string* target,
@@ -216,61 +218,37 @@ bool OptionTable::given(const std::string& name) const {
   return option && option->given;
 }
 
-std::string OptionTable::nearestName(const std::string& name) const {
+std::string nearestWord(const std::string& word, const std::vector<std::string>& words) {
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2);
-  for (const Option& option : options_) {
-    const std::size_t distance = editDistance(name, option.name);
+  std::size_t least = std::max<std::size_t>(2, word.size() / 2);
+  for (const std::string& other : words) {
+    const std::size_t distance = editDistance(word, other);
     if (distance <= least && (nearest.empty() || distance < least)) {
-      nearest = option.name;
+      nearest = other;
       least = distance;
     }
   }
   return nearest;
 }
 
-std::string OptionTable::syntax() const {
-  std::string text = "Syntax is: " + program_;
-  for (const Positional& positional : positionals_) text += " " + positional.name;
-  return text + (options_.empty() ? "" : " <options>");
-}
-
-std::string OptionTable::help() const {
-  std::string text = syntax() + "\n" + summary_ + "\n\nArguments:\n";
-  for (const Positional& p : positionals_) text += helpRow(p.name, p.help);
-  text += "\nOptions:\n";
-  for (const Option& o : options_) {
-    text += helpRow("-" + o.name + " " + o.value_name,
-                    o.help + " (" + o.range + "default: " + o.default_text + ")");
-  }
-  text += helpRow("-h", "this text") + helpRow("-version", "the version");
-  const bool has_switch = std::any_of(options_.begin(), options_.end(),
-                                      [](const Option& o) { return o.kind == Kind::kToggle; });
-  if (has_switch) {
-    text +=
-        "\n-name VALUE may be written --name VALUE or -name=VALUE. A switch [0|1] alone\n"
-        "is 1; true, false, on and off will do, too. A file of such a name is written\n"
-        "./0.\n";
-  }
-  return text;
-}
-
-std::string OptionTable::markdown() const {
-  const auto escaped = [](std::string text) {
-    for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) {
-      text.insert(i, "\\");
-    }
-    return text;
-  };
-  std::string text = "| argument | values | meaning |\n|---|---|---|\n";
+std::vector<OptionTable::NamedFile> OptionTable::files() const {
+  std::vector<NamedFile> files;
   for (const Positional& p : positionals_) {
-    text += "| `" + escaped(p.name) + "` | | " + escaped(p.help) + " |\n";
+    if (p.use != FileUse::kNone) files.push_back({p.name, p.name, p.use, p.target});
   }
   for (const Option& o : options_) {
-    text += "| `-" + o.name + " " + escaped(o.value_name) + "` | " + o.range + "default " +
-            escaped(o.default_text) + " | " + escaped(o.help) + " |\n";
+    if (o.use != FileUse::kNone) files.push_back({"-" + o.name, o.value_name, o.use, o.target});
   }
-  return text;
+  return files;
+}
+
+std::string OptionTable::unnamedExtension(const std::string& input) const {
+  if (names_ != nullptr && !names_->format.empty()) return "." + names_->format;
+  if (!usual_.empty()) return usual_;
+  for (const std::string& format : formats_) {
+    if (lowerExtension(input) == format) return format;
+  }
+  return "";
 }
 
 namespace {
@@ -314,12 +292,18 @@ std::vector<std::string> plainArguments(int argc, const char* const* argv) {
  * \param[in] bare the switch before it that has no value, or null. */
 std::string OptionTable::takePositional(const std::string& word, const Option* bare,
                                         std::size_t& next) {
+  if (has_folder_) {
+    inputs_.push_back(word);
+    return "";
+  }
   if (next < positionals_.size()) {
     *positionals_[next++].target = word;
     return "";
   }
   if (bare) return "option -" + bare->name + " got '" + word + "'; give 0 or 1";
-  return "unexpected argument '" + word + "'; see " + program_ + " -h";
+  return "unexpected argument '" + word + "'; " +
+         (names_ != nullptr ? "give -out DIR for several inputs, or " : "") + "see " + program_ +
+         " -h";
 }
 
 /** Takes an option and its value: the one after "=", or else the next argument if there is one. A
@@ -348,6 +332,11 @@ std::string OptionTable::takeOption(Option& option, const std::optional<std::str
 /** Reads every argument; the text returned, if any, names the first mistake. */
 std::string OptionTable::parseArguments(int argc, const char* const* argv) {
   std::size_t next = 0;
+  for (int i = 1; i < argc && names_ != nullptr; ++i) {
+    const std::string word = argv[i];
+    has_folder_ =
+        has_folder_ || (word.size() > 1 && word[0] == '-' && OptionWord(word).name == "out");
+  }
   const Option* bare = nullptr;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -362,16 +351,50 @@ std::string OptionTable::parseArguments(int argc, const char* const* argv) {
       bool used = false;
       mistake = takeOption(*option, named.value, i + 1 < argc ? argv[i + 1] : nullptr, used);
       bare = used || named.value ? nullptr : option;
+      const bool common = named.name != "out" && named.name != "format" && named.name != "json";
+      if (common) common_options_.push_back(word);
+      if (common && used) common_options_.emplace_back(argv[i + 1]);
       i += used ? 1 : 0;
     }
     if (!mistake.empty()) return mistake;
   }
-  if (next < positionals_.size()) return "no " + positionals_[next].name + " is given; " + syntax();
-  return checkExclusive();
+  if (std::string mistake = checkPositionals(next); !mistake.empty()) return mistake;
+  if (std::string mistake = checkExclusive(); !mistake.empty()) return mistake;
+  return useStreams();
+}
+
+/** \param[in] count of positional arguments that were given */
+std::string OptionTable::checkPositionals(std::size_t count) {
+  if (has_folder_ && !inputs_.empty()) {
+    *positionals_.front().target = inputs_.front();
+    return "";
+  }
+  if (count == positionals_.size()) return "";
+  return "no " + positionals_[count].name + " is given; " + syntax();
+}
+
+/** Lets a "-" in place of a file that is read be standard input. */
+std::string OptionTable::useStreams() {
+  if (std::count(inputs_.begin(), inputs_.end(), "-") > 0) {
+    return "standard input has no name to call its output in -out by: give - and the output's name";
+  }
+  int read = 0, written = 0;
+  for (const NamedFile& file : files()) {
+    if (*file.target != "-") continue;
+    if (file.use == FileUse::kRead && ++read) *file.target = "/dev/stdin";
+    if (file.use == FileUse::kWritten) ++written;
+  }
+  if (read > 1) return "standard input can be read once: give - for one file only";
+  if (written > 1) return "standard output takes one file: give - for one only";
+  const bool unnamed = has_folder_ || (output_ != nullptr && *output_ == "-");
+  if (!given("format") || names_ == nullptr || unnamed) return "";
+  return "-format is of -out and of standard output: '" + *output_ + "' has its format in its name";
 }
 
 std::string OptionTable::unknownOption(const std::string& word) const {
-  const std::string nearest = nearestName(OptionWord(word).name);
+  std::vector<std::string> names;
+  for (const Option& option : options_) names.push_back(option.name);
+  const std::string nearest = nearestWord(OptionWord(word).name, names);
   const std::string hint = nearest.empty() ? "" : "did you mean -" + nearest + "? ";
   return "unknown option '" + word + "'; " + hint + "see " + program_ + " -h";
 }
@@ -393,9 +416,11 @@ std::optional<int> OptionTable::parse(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     std::string answer;
-    if (word == "-h" || word == "--help") answer = help();
+    if (word == "-h" || word == "-help" || word == "--help") answer = help();
     if (word == "-version" || word == "--version") answer = program_ + " " + version_ + "\n";
     if (word == "--help-markdown") answer = markdown();
+    if (word == "--help-man") answer = manual();
+    if (word == "--help-completion") answer = completion();
     if (answer.empty()) continue;
     std::fputs(answer.c_str(), stdout);
     return kExitDone;

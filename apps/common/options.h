@@ -23,6 +23,22 @@ enum ExitStatus : int {
   kExitInterrupted = 130,  ///< stopped by Ctrl-C
 };
 
+/** \brief What a text of the command line names. A "-" in place of a file that is read or written
+ * is standard input or output. */
+enum class FileUse {
+  kNone,
+  kRead,     ///< a file that is read
+  kWritten,  ///< a file that is written
+  kScratch,  ///< a folder for temporary files
+  kKept,     ///< a folder whose files belong to one input
+};
+
+/** \brief Names of outputs that are not given one by one. */
+struct OutputNames {
+  std::string folder;  ///< each input's output goes here, or none
+  std::string format;  ///< extension without its dot, or none
+};
+
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
  * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean
@@ -37,7 +53,17 @@ class OptionTable {
   OptionTable(std::string program, std::string version, std::string summary);
 
   /** \brief The next argument without a dash; all of them must be given. */
-  void positional(const std::string& name, std::string* target, const std::string& help);
+  void positional(const std::string& name, std::string* target, const std::string& help) {
+    positionals_.push_back({name, help, target, FileUse::kNone});
+  }
+  /** \brief One that is a file to read. With -out, several may be given. */
+  void input(const std::string& name, std::string* target, const std::string& help) {
+    positionals_.push_back({name, help, target, FileUse::kRead});
+  }
+  /** \brief One that is the file to write. \param[in] name ends in its formats: "OUT.pcd|.ply"
+   * \param[in] usual extension of an output without a name: ".ply"; empty: its input's */
+  void output(const std::string& name, std::string* target, const std::string& help,
+              const std::string& usual);
 
   /** \brief A function that takes a value read. */
   template <typename Value>
@@ -67,7 +93,7 @@ class OptionTable {
               const std::string& unset);
   /** \brief Text; the help shows value_name in its place. */
   void text(const std::string& name, std::string* target, const std::string& value_name,
-            const std::string& help);
+            const std::string& help, FileUse use = FileUse::kNone);
   /** \brief One of a few words. */
   void choice(const std::string& name, std::string* target, const std::vector<std::string>& words,
               const std::string& help);
@@ -80,6 +106,9 @@ class OptionTable {
   /** \brief Three numbers, or none. */
   void numbers(const std::string& name, std::optional<std::array<double, 3>>* target,
                const std::string& value_name, const std::string& help);
+  /** \brief Adds -out, the folder of the outputs of several inputs, and -format, that of an output
+   * without a name. Needs output(). */
+  void outputNames(OutputNames* names);
   /** \brief Of these options at most one may be given. */
   void exclusive(const std::vector<std::string>& names);
 
@@ -93,6 +122,31 @@ class OptionTable {
   /** \brief Whether an option was on the command line. */
   bool given(const std::string& name) const;
 
+  /** \brief An argument that names a file or folder. */
+  struct NamedFile {
+    std::string name;        ///< of the option, with its dash, or of the argument
+    std::string value_name;  ///< "FILE.png"
+    FileUse use;
+    std::string* target;
+  };
+  /** \brief Arguments and options that name files and folders, in the order of the help. */
+  std::vector<NamedFile> files() const;
+
+  /** \brief The inputs given with -out; empty without it. */
+  const std::vector<std::string>& inputs() const { return inputs_; }
+  /** \brief The options of each of several inputs as they were given, with their values: all but
+   * -out, -format and -json. */
+  const std::vector<std::string>& commonOptions() const { return common_options_; }
+  /** \brief Formats of the output: ".pcd", ".ply". */
+  const std::vector<std::string>& formats() const { return formats_; }
+  /** \brief Where the name of the output is read to; null: the program writes none. */
+  std::string* output() const { return output_; }
+  /** \brief Those of outputNames(), or null. */
+  const OutputNames* names() const { return names_; }
+  /** \brief Extension of an output without a name. \param[in] input that it is made of \return
+   * an empty text where it cannot be known. */
+  std::string unnamedExtension(const std::string& input) const;
+
   const std::string& program() const { return program_; }
   const std::string& version() const { return version_; }
 
@@ -100,6 +154,10 @@ class OptionTable {
   std::string help() const;
   /** \brief The options as a Markdown table: the text in docs/. */
   std::string markdown() const;
+  /** \brief The manual page, as man reads it. */
+  std::string manual() const;
+  /** \brief A script by which bash completes the program's arguments. */
+  std::string completion() const;
 
  private:
   enum class Kind { kNumber, kToggle, kText };
@@ -111,10 +169,13 @@ class OptionTable {
     std::function<std::string(const std::string&)> assign;
     std::string range = {};  ///< "1 to 4, ", where a help line can show it
     bool given = false;
+    FileUse use = FileUse::kNone;
+    std::string* target = nullptr;  ///< of a text
   };
   struct Positional {
     std::string name, help;
     std::string* target = nullptr;
+    FileUse use = FileUse::kNone;
   };
 
   std::string parseArguments(int argc, const char* const* argv);
@@ -123,15 +184,26 @@ class OptionTable {
                          const char* following, bool& used);
   std::string unknownOption(const std::string& word) const;
   std::string checkExclusive() const;
+  std::string checkPositionals(std::size_t count);
+  std::string useStreams();
+  /** The arguments after the program's name, one text for each way to give them. */
+  std::vector<std::string> forms() const;
   std::string syntax() const;
-  std::string nearestName(const std::string& name) const;
   const Option* find(const std::string& name) const;
 
   std::string program_, version_, summary_;
   std::vector<Positional> positionals_;
   std::vector<Option> options_;
   std::vector<std::vector<std::string>> exclusive_;
+  std::vector<std::string> formats_, inputs_, common_options_;
+  std::string usual_;
+  std::string* output_ = nullptr;
+  const OutputNames* names_ = nullptr;
+  bool has_folder_ = false;  ///< -out is on the command line
 };
+
+/** \brief The word that another one resembles most, or an empty text. */
+std::string nearestWord(const std::string& word, const std::vector<std::string>& words);
 
 /** \brief What a word means to a switch: 1, true, on or 0, false, off; nothing if it means nothing.
  */

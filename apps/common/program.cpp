@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/standard_output.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -174,23 +175,16 @@ Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::s
   return {};
 }
 
-Error checkOutputs(const std::string& output, const std::string& report) {
-  Error error;
-  if (!output.empty()) error = checkWritable(output);
-  if (!error && !report.empty()) error = checkWritable(report);
-  return error;
-}
-
 Error saveOutput(const std::string& output, const std::string& report_file,
                  const std::function<Error()>& save, const std::string& detail, Console& console,
                  Report& report) {
   if (console.interrupted()) return stopped();
   FileTransaction files;
-  console.begin("Saving " + output);
+  console.begin("Saving " + shownName(output));
   Error error = save();
   const double seconds = console.seconds();
   report.time("save", seconds);
-  report.set("output", output);
+  report.set("output", isStandardOutput(output) ? "-" : output);
   if (!error) error = report.write(report_file);
   if (!error) error = commitOutputs(files);
   if (error) return console.failed(error);

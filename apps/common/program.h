@@ -124,10 +124,6 @@ bool samePlace(const std::string& a, const std::string& b);
  * names are of no file. */
 Error checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written);
 
-/** \brief Whether output and report (none where empty) can be written; returns the reason if not.
- */
-Error checkOutputs(const std::string& output, const std::string& report);
-
 /** \brief The last stage of a program: saves its output and its report and prints it. Both appear,
  * or neither; an older output stays when something fails. Work that was interrupted is not saved;
  * signals end nothing from then on.

@@ -29,6 +29,7 @@ constexpr int kEndingSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
 std::atomic<Progress*> g_running{nullptr};
 std::atomic<int> g_signal{0};
+std::atomic<pid_t> g_process{0};
 
 // Only what is safe in a signal handler: atomics, setitimer, unlink, write and _exit.
 
@@ -45,6 +46,11 @@ extern "C" void endOnAlarm(int) {
 }
 
 extern "C" void onSignal(int signal) {
+  if (const pid_t process = g_process.load(); process > 0) {
+    g_signal = signal;
+    kill(process, signal);
+    return;
+  }
   Progress* progress = g_running.load();
   if (g_signal.exchange(signal) != 0 || progress == nullptr) endNow(signal);
   progress->cancel();
@@ -61,6 +67,8 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
+}  // namespace
+
 void endOnSignals() {
   handle(SIGALRM, endOnAlarm);
   for (const int signal : {SIGPIPE, SIGXFSZ}) handle(signal, SIG_IGN);
@@ -72,8 +80,6 @@ void endOnSignals() {
   }
 }
 
-}  // namespace
-
 bool outlastSignals() {
   for (const int signal : kEndingSignals) handle(signal, SIG_IGN);
   handle(SIGALRM, SIG_IGN);
@@ -82,6 +88,15 @@ bool outlastSignals() {
 
 void cancelOnSignals(Progress* progress) {
   g_running.store(progress);
+}
+
+void passSignalsTo(pid_t process) {
+  g_process.store(process);
+  if (process > 0 && g_signal.load() != 0) kill(process, g_signal.load());
+}
+
+int signalReceived() {
+  return g_signal.load();
 }
 
 namespace {

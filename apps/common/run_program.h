@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -17,8 +19,17 @@ namespace pcl_slim {
  * nothing is to be renamed. */
 bool outlastSignals();
 
+/** \brief From here on signals end the program again, as runProgram() says. */
+void endOnSignals();
+
 /** \brief The work that the first signal cancels; null: none. */
 void cancelOnSignals(Progress* progress);
+
+/** \brief A process that signals are passed to, in place of what they would end here; 0: none. */
+void passSignalsTo(pid_t process);
+
+/** \brief The signal that has come, or 0. */
+int signalReceived();
 
 /** \brief Adds -max_memory, in 2^20 bytes; 0, the default, is no limit. From the end of parsing on an
  * allocation beyond the limit fails (Linux; elsewhere only checkMemory() enforces it), and

@@ -114,7 +114,6 @@ Exit PieceStream::run(MakeFields fields, Console& console, Report& report) {
   if (!source_) {
     if (Error error = readWholeOrHead(console, report, surface)) return Exit::usage(error);
   }
-  if (Error error = checkOutputs(job_.files.output, job_.files.json)) return error;
   if (source_) {
     if (Error error = fitByTiles(*source_, job_.fit, job_.tiles, console, report, nullptr, made))
       return exitOfTiles(error);

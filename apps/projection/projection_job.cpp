@@ -12,9 +12,9 @@
 namespace pcl_slim {
 
 void declareProjection(OptionTable& options, ProjectionJob& job) {
-  options.positional("IN", &job.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply|.las|.vtp", &job.files.output,
-                     "the same points, with every field kept");
+  options.input("IN", &job.files.input, kScanHelp);
+  options.output("OUT.pcd|.ply|.las|.vtp", &job.files.output,
+                 "the same points, with every field kept", "");
   declareSurfaceOrFit(options, job.surface, job.fit);
   declareTileOptions(options, job.tiles);
   declareReport(options, job.files);

@@ -6,11 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "pcl_slim/surface/surface_io.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim {
@@ -64,24 +62,6 @@ std::string Model::describe() const {
 BoundingSpheres Model::spheres() const {
   if (is_mesh) return spheresOf(mesh.vertices, mesh.triangles);
   return is_splats ? spheresOf(splats) : spheresOf(surface);
-}
-
-Result<ModelFile> readModelFile(const std::string& path, const PointFileOptions& options) {
-  if (checkPointFileExtension(path)) {
-    Result<SLIMSurface> surface = loadSurface(path);
-    if (!surface) return surface.error();
-    return ModelFile(std::move(*surface));
-  }
-  const Result<std::vector<unsigned char>> bytes = readFile(path);
-  if (!bytes) return bytes.error();
-  if (lowerExtension(path).empty() && isSlim(bytes->data(), bytes->size())) {
-    Result<SLIMSurface> surface = decodeSlim(bytes->data(), bytes->size());
-    if (!surface) return named(path, surface.error());
-    return ModelFile(std::move(*surface));
-  }
-  Result<PointFile> points = parsePointFile(path, *bytes, options);
-  if (!points) return points.error();
-  return ModelFile(std::move(*points));
 }
 
 bool holdsModel(const ModelFile& file) {

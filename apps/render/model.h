@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "common/program.h"
@@ -19,6 +18,7 @@
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
+#include "scan/surface_input.h"
 
 namespace pcl_slim {
 
@@ -42,12 +42,6 @@ struct Model {
   /** \brief What cameras look at. */
   BoundingSpheres spheres() const;
 };
-
-/** \brief What a file contains: a surface's .slim or .pvtp, or points. */
-using ModelFile = std::variant<SLIMSurface, PointFile>;
-
-/** \brief Reads a file, once. */
-Result<ModelFile> readModelFile(const std::string& path, const PointFileOptions& options = {});
 
 /** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
 bool holdsModel(const ModelFile& file);

@@ -56,7 +56,7 @@ void LineRequest::declare(OptionTable& table) {
   table.choice("lines", &lines, {"none", "crest", "suggestive", "contour", "all"},
                "lines over the picture; none with -mode sketch: all");
   table.text("line_file", &file, "FILE.pcd|.ply",
-             "lines of pcl_slim_lines to draw where they are seen");
+             "lines of pcl_slim_lines to draw where they are seen", FileUse::kRead);
   table.number("line_width", &width, 0.1, 100, "width of strong lines, pixels");
   table.number("line_curvature", &curvature, 1e-6, 1e9,
                "least curvature of crest lines, 1/L; auto: by their integral of it", "auto");

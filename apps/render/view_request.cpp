@@ -101,7 +101,8 @@ void ViewRequest::declareCamera(OptionTable& table) {
   table.choice("up", &up, upNames(), "axis that points upwards");
   table.text(
       "camera", &camera, "auto|FILE|PX,PY,PZ,LX,LY,LZ,UX,UY,UZ[,FOV]",
-      "a file of -save_camera, or position, target and upward direction in world coordinates");
+      "a file of -save_camera, or position, target and upward direction in world coordinates",
+      FileUse::kRead);
   table.number("fov", &fov, 1.0, 150.0, "vertical field of view in degrees", "30, amid a scene 60");
   table.toggle("ortho", &orthographic, "parallel projection");
   table.exclusive({"camera", "view"});

@@ -95,7 +95,8 @@ void declareFitOptions(OptionTable& options, FitJob& job) {
 
 void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job) {
   options.text("surface", &surface, "FILE",
-               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
+               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit",
+               FileUse::kRead);
   declareFitOptions(options, job);
   for (const FitParameter& row : fitParameters()) {
     if (row.group == FitOption::kFit || row.group == FitOption::kRun)
@@ -113,7 +114,8 @@ void declareSensorOptions(OptionTable& options, FitJob& job, const char* viewpoi
   options.text(
       "trajectory", &job.trajectory, "FILE",
       "where the sensor was, over time (TUM, or CSV with time x y z): each point faces its "
-      "place at the point's time; without it, the fields vp_x vp_y vp_z");
+      "place at the point's time; without it, the fields vp_x vp_y vp_z",
+      FileUse::kRead);
   options.text("time_field", &job.time_field, "NAME",
                "with -trajectory: the scan's field of times; not given: found by its name");
   options.number("time_offset", &job.time_offset, -1e18, 1e18,
@@ -121,7 +123,8 @@ void declareSensorOptions(OptionTable& options, FitJob& job, const char* viewpoi
   options.text(
       "frames", &job.frames, "FILE,...",
       "more registered frames, whose points follow those of IN: each one's sensor is at its "
-      "VIEWPOINT (or vp_x vp_y vp_z), and its noise is its own");
+      "VIEWPOINT (or vp_x vp_y vp_z), and its noise is its own",
+      FileUse::kRead);
   options.exclusive({"viewpoint", "trajectory"});
 }
 
@@ -260,25 +263,6 @@ Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& 
                                              ? cloud->normal_source
                                              : NormalSource::kNothing));
   return cloud;
-}
-
-bool holdsSurface(const std::string& path, const CloudFile* cloud) {
-  return lowerExtension(path) == ".slim" ||
-         (cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0);
-}
-
-Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface,
-                const PointFile* read) {
-  console.begin("Loading " + path);
-  Result<SLIMSurface> loaded = read != nullptr ? surfaceFrom(*read) : loadSurface(path);
-  if (!loaded && read != nullptr)
-    return console.failed({loaded.error().code, "'" + path + "': " + loaded.error().message});
-  if (!loaded) return console.failed(loaded.error());
-  surface = std::move(*loaded);
-  report.time("load_surface", console.seconds());
-  reportSurface(path, surface, report);
-  console.done(counted(surface.numLeaves(), "surfel"));
-  return {};
 }
 
 namespace {

@@ -73,15 +73,6 @@ std::vector<std::string> filesRead(const FitJob& job, std::vector<std::string> o
 Result<CloudFile> loadScan(const std::string& path, const FitJob& job, Console& console,
                            Report& report, PointFile* read = nullptr);
 
-/** \brief Whether an input can only be a surface (.slim), or its fields, once loaded, show that it
- * is one. */
-bool holdsSurface(const std::string& path, const CloudFile* cloud);
-
-/** \brief Loads a surface; prints and reports it. \param[in] read its points, if they are read
- * already: a pipe is read once */
-Error loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface,
-                const PointFile* read = nullptr);
-
 /** \brief Fits a surface to a scan; prints and reports what was done and what was skipped.
  * \param[out] kept the store of the scan, for further work with it (may be null); also set where
  * the error is that the points are no surface. */

@@ -18,7 +18,8 @@ constexpr double kBytesOfPoint = 120;  ///< that painting takes at most, beyond 
 void declarePaintOption(OptionTable& options, std::string& file) {
   options.text(
       "colors", &file, "FILE",
-      "colours from another registered cloud, in place of the scan's own where it has points");
+      "colours from another registered cloud, in place of the scan's own where it has points",
+      FileUse::kRead);
 }
 
 Result<CloudFile> loadPaint(const std::string& file, Console& console, Report& report) {

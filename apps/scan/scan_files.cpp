@@ -6,8 +6,9 @@
 
 namespace pcl_slim {
 
-void declareReport(OptionTable& options, ScanFiles& files) {
-  options.text("json", &files.json, "FILE", "write a report");
+void declareReport(OptionTable& options, ScanFiles& files, bool several) {
+  if (several) options.outputNames(&files.names);
+  options.text("json", &files.json, "FILE", "write a report", FileUse::kWritten);
   declareMemoryLimit(options);
   options.toggle("quiet", &files.quiet, "say nothing but errors");
 }

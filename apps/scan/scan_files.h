@@ -12,11 +12,13 @@ namespace pcl_slim {
 /** \brief The files of a program that makes one file of a scan, and whether it is to be quiet. */
 struct ScanFiles {
   std::string input, output, json;  ///< json: the report's file, or none
+  OutputNames names;                ///< in place of output
   bool quiet = false;
 };
 
-/** \brief Declares -json, -max_memory and -quiet; files must outlive the table's parse(). */
-void declareReport(OptionTable& options, ScanFiles& files);
+/** \brief Declares -out and -format, where several inputs are possible, -json, -max_memory and
+ * -quiet; files must outlive the table's parse(). */
+void declareReport(OptionTable& options, ScanFiles& files, bool several = true);
 
 /** \brief No error unless input, output and report share a file, or one that is written with others
  * that are read. */

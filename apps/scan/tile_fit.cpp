@@ -94,7 +94,8 @@ bool wantsTiles(std::uint64_t points, const TileRequest& tiles) {
 void declarePlanOptions(OptionTable& options, TileRequest& tiles) {
   options.text("plan", &tiles.plan, "DIR",
                "folder that keeps points and tiles until the surface is made: the same command "
-               "continues from them");
+               "continues from them",
+               FileUse::kKept);
   options.text(
       "tiles", &tiles.range, "A:B|K/N",
       "with -plan: fit tiles A to before B only, or the K-th of N shares from 0 on, and keep "
@@ -105,7 +106,8 @@ void declareTileOptions(OptionTable& options, TileRequest& tiles) {
   options.integer("tile_points", &tiles.points, 0, kMostTile,
                   "points of a tile: scans of more than two tiles, and those that do not fit into "
                   "memory, are fitted tile by tile; if given, all are; 0: none");
-  options.text("scratch", &tiles.scratch, "DIR", "folder for the points while tiles are fitted");
+  options.text("scratch", &tiles.scratch, "DIR", "folder for the points while tiles are fitted",
+               FileUse::kScratch);
 }
 
 Error openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,

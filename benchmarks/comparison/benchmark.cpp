@@ -10,6 +10,7 @@
 
 #include "common/options.h"
 #include "common/program.h"
+#include "common/programs.h"
 #include "comparison/tables.h"
 #include "comparison/treat.h"
 #include "support/lab/bench.h"
@@ -267,9 +268,7 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options("pcl_slim_benchmark", PCL_SLIM_VERSION,
-                      "Measures time against error: SLIM beside pcl::MovingLeastSquares and "
-                      "pcl::NormalEstimationOMP.");
+  OptionTable options = programOptions("pcl_slim_benchmark");
   options.positional("OUT_PREFIX", &s.prefix,
                      "writes OUT_PREFIX.csv, OUT_PREFIX.md, OUT_PREFIX.png");
   s.plan.declareOptions(options);
@@ -316,7 +315,7 @@ Error treatScene(const Settings& s, const Scene& scene, Console& console,
 
 Exit run(const OptionTable& options, Settings& s, const std::string& command) {
   if (Error error = s.plan.finishOptions(options)) return Exit::usage(error);
-  if (Error error = comparison::checkTables(s.prefix)) return error;
+  if (Error error = comparison::checkTables(s.prefix)) return Exit::usage(error);
   Console console(s.quiet);
   std::vector<SceneRuns> scenes;
   bool loaded = false;

@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "amphora.h"
+#include "common/file_program.h"
 #include "common/options.h"
 #include "common/program.h"
-#include "common/run_program.h"
+#include "common/programs.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
@@ -310,11 +311,8 @@ struct Settings {
 };
 
 OptionTable declareOptions(Settings& s) {
-  OptionTable options(
-      "pcl_slim_demo_scan", PCL_SLIM_VERSION,
-      "Writes a coloured amphora as a laser scanner on four tripods would see it: with "
-      "noise, hidden parts and uneven density.");
-  options.positional("OUT.pcd", &s.output, "binary PCD with fields x y z rgb");
+  OptionTable options = programOptions("pcl_slim_demo_scan");
+  options.output("OUT.pcd", &s.output, "binary PCD with fields x y z rgb", ".pcd");
   options.integer("points", &s.scan.points, 100, 50000000, "points (organized: pixels)");
   options.number("noise", &s.scan.noise, 0.0, 0.1,
                  "noise at medium range, share of the object's diagonal");
@@ -322,7 +320,7 @@ OptionTable declareOptions(Settings& s) {
   options.toggle("organized", &s.scan.organized, "one tripod's grid, NaN where nothing was hit");
   options.integer("threads", &s.scan.threads, 0, 1024, "threads, 0: all cores");
   declareMemoryLimit(options);
-  options.text("json", &s.json, "FILE", "write a report");
+  options.text("json", &s.json, "FILE", "write a report", FileUse::kWritten);
   options.toggle("quiet", &s.quiet, "print nothing");
   return options;
 }
@@ -335,8 +333,6 @@ Error checkSettings(const Settings& s) {
 }
 
 Exit run(const OptionTable& options, const Settings& s) {
-  if (Error error = checkSettings(s)) return Exit::usage(error);
-  if (Error error = checkOutputs(s.output, s.json)) return error;
   Console console(s.quiet);
   Report report(options, "", s.scan.threads);
   console.begin("Scanning an amphora");
@@ -356,5 +352,7 @@ Exit run(const OptionTable& options, const Settings& s) {
 int main(int argc, char** argv) {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runProgram(options, argc, argv, "ask for fewer points", [&] { return run(options, s); });
+  return runFileProgram(
+      options, argc, argv,
+      {"ask for fewer points", [&] { return checkSettings(s); }, [&] { return run(options, s); }});
 }

@@ -118,7 +118,7 @@ vtp() { # vtp PROGRAM IN ARGS...: what the program writes as .vtp comes back as 
   grep -aq "NumberOfVerts=\"$(sed -n 's/^POINTS //p' out.pcd | head -n 1)\"" out.vtp || complain "$1: vertices"
   grep -aq 'Normals="Normals"' out.vtp || complain "$1: no normals in $(grep -a '<PointData' out.vtp)"
   [ ! -c /dev/full ] || { ln -s /dev/full full.vtp && expect 1 'make room' "$2" full.vtp "${@:3}" && rm full.vtp; }
-  expect 1 'does not exist' "$2" nowhere/out.vtp "${@:3}"
+  expect 2 'does not exist' "$2" nowhere/out.vtp "${@:3}"
   program=pcl_slim_smooth
   expect 0 '' out.pcd back.pcd
   mv back.pcd wanted.pcd

@@ -63,7 +63,7 @@ expect 2 'original' x -pairs .
 expect 2 'leave it out' x -pairs pairs -noises 0
 expect 2 'exclude' x -pairs pairs -input a.ply
 expect 2 'short.ply' x -input short.ply -truth pairs/plane_original.ply
-expect 1 'no/such' no/such/x "${small[@]}"
+expect 2 'no/such' no/such/x "${small[@]}"
 [ -z "$(find . -name '*.csv' -o -name '*.md' -o -name '*.png')" ] || complain "files left behind"
 
 documented "$program"

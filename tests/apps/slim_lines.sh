@@ -72,7 +72,7 @@ expect 2 '-type' plain.pcd d.vtp -type valleys
 expect 1 'up direction' plain.pcd d.svg -view 0,1,0
 expect 1 '' none.pcd d.vtp
 keepsOld kept.vtp plain.pcd
-expect 1 'does not exist' plain.pcd nowhere/d.vtp
+expect 2 'does not exist' plain.pcd nowhere/d.vtp
 absent d.vtp d.obj d.svg nowhere
 [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
 

@@ -148,7 +148,7 @@ expect 1 'no points' none.pcd d.ply
 expect 1 '' one.pcd d.ply
 expect 1 '' line.pcd d.ply
 expect 1 '' same.pcd d.ply
-expect 1 'does not exist' ball.pcd nowhere/d.ply
+expect 2 'does not exist' ball.pcd nowhere/d.ply
 keepsOld kept.ply ball.pcd
 absent d.ply d.pcd nowhere
 [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"

@@ -18,7 +18,7 @@ grep -aq '^WIDTH 50$' grid.pcd || complain "the grid is not 50 wide"
 grep -aq '^HEIGHT 50$' grid.pcd || complain "the grid is not 50 high"
 expect 2 'named .pcd' pcl_slim_demo_scan scan.xyz
 expect 2 'poinst' pcl_slim_demo_scan typo.pcd -poinst 100
-expect 1 'no/such' pcl_slim_demo_scan no/such/scan.pcd
+expect 2 'no/such' pcl_slim_demo_scan no/such/scan.pcd
 absent typo.pcd
 keepsOld kept.pcd pcl_slim_demo_scan -points 2000
 
@@ -131,7 +131,7 @@ absent none.png
 keepsOld kept.png pcl_slim_render $small surface.slim
 expect 2 'overwritten' pcl_slim_render surface.slim kept.png $small -save_camera ./surface.slim
 expect 2 'share' pcl_slim_render surface.slim kept.png $small -save_camera cam.txt -json ./cam.txt
-expect 1 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
+expect 2 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
 expect 1 'smaller picture' pcl_slim_render surface.slim kept.png -size 20000x20000 -max_memory 400
 absent kept.png cam.txt
 for key in program version input points threads total load render peak_rss_mb leaves levels \
@@ -227,7 +227,7 @@ expect 2 'ends in .html' pcl_slim_render surface.slim none.png -precision 640
 expect 2 'precision' pcl_slim_render surface.slim none.html -precision 3
 expect 2 'ends in .html' pcl_slim_render surface.slim none.png -color_error 2
 expect 2 'color_error' pcl_slim_render surface.slim none.html -color_error 33
-expect 1 'no/such' pcl_slim_render surface.slim no/such/page.html
+expect 2 'no/such' pcl_slim_render surface.slim no/such/page.html
 absent none.html none.png
 
 expect 2 'missing.slim' pcl_slim_render missing.slim x.png
@@ -248,7 +248,7 @@ expect 2 'positive' pcl_slim_render surface.slim x.png -mode size -range -3,3
 expect 2 'letters' pcl_slim_render surface.slim x.png -unit m2
 expect 2 'differ' pcl_slim_render surface.slim x.png -camera 1,2,3,1,2,3,0,0,1
 expect 2 'colour' pcl_slim_render surface.slim x.png -colour 1
-expect 1 'no/such' pcl_slim_render surface.slim no/such/x.png
+expect 2 'no/such' pcl_slim_render surface.slim no/such/x.png
 absent x.png x.jpg
 
 documented pcl_slim_render

@@ -67,6 +67,6 @@ expect 2 '.pcd, .ply, .las or .vtp' scan.pcd g.slim -number 5
 expect 1 'raise the spacing' scan.pcd g.pcd -spacing 1e-6
 expect 2 'truncated' cut.pcd g.pcd -number 5
 expect 1 'no points' none.pcd g.pcd -number 5
-expect 1 'does not exist' scan.pcd nowhere/g.pcd -number 5
+expect 2 'does not exist' scan.pcd nowhere/g.pcd -number 5
 absent g.pcd g.slim nowhere
 finish

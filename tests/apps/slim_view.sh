@@ -28,7 +28,7 @@ expect 2 'size' surface.slim -size 80
 expect 2 'lowest and the highest corner' surface.slim -region 1,2,3
 expect 2 'give a part of' surface.slim -region 7,7,7,8,8,8
 expect 2 'exclude' surface.slim -camera 0,-1,0,0,0,0,0,0,1 -view top
-expect 1 'no/such' surface.slim -screenshot no/such/x.png
+expect 2 'no/such' surface.slim -screenshot no/such/x.png
 expect 1 'X server' surface.slim -screenshot x.png
 absent x.png x.jpg
 documented pcl_slim_view visualization slim_fit

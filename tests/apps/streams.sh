@@ -45,20 +45,16 @@ piped pcl_slim_sample surfels.pcd g.ply -number 500
 piped pcl_slim_render scan.slim h.ppm -size 80x60
 piped pcl_slim_render surfels.pcd h.ppm -size 80x60
 piped pcl_slim_render mesh.off.ply h.ppm -size 80x60
-for of in 'mesh -color 0' 'sample -number 500'; do  # which need the name of a .slim
-  rm -f pipe.slim
-  mkfifo pipe.slim
-  timeout 60 cat scan.slim > pipe.slim &
+for of in 'mesh -color 0' 'sample -number 500' 'render -size 80x60'; do  # .slim, with and without its name
+  out=k.$([ "${of%% *}" = render ] && echo ppm || echo ply)
   # shellcheck disable=SC2086
-  expect 0 '' pcl_slim_${of%% *} pipe.slim k.ply -quiet 1 ${of#* }
-  wait
-  # shellcheck disable=SC2086
-  expect 2 'ends in .slim' pcl_slim_${of%% *} /dev/stdin k.ply -quiet 1 ${of#* } < <(cat scan.slim)
+  piped pcl_slim_${of%% *} scan.slim $out ${of#* }
 done
+piped pcl_color_splat_sampling scan.slim k.ply
+expect 2 'is a surface, not points' pcl_slim_smooth /dev/stdin k.ply < <(cat scan.slim)
 
 # What is read several times cannot be a pipe.
 expect 2 'read once only' pcl_slim_fit <(cat scan.pcd) a.slim -tile_points 20000
-expect 2 'name /dev/stdin' pcl_slim_fit - a.slim
 expect 2 'is empty' pcl_slim_fit /dev/stdin a.slim < <(true)
 expect 2 'is a device' pcl_slim_fit /dev/stdin a.slim < /dev/null
 

@@ -47,7 +47,7 @@ for option in '-paper 1' '-target_error 0.01' '-target_distance 0.1' '-max_surfe
   expect 2 'by tiles' scan.pcd refused.slim -tile_points 20000 $option
 done
 expect 2 '10000 or more' scan.pcd refused.slim -tile_points 20
-expect 1 'create it first' scan.pcd refused.slim -tile_points 20000 -scratch nowhere
+expect 2 'create it first' scan.pcd refused.slim -tile_points 20000 -scratch nowhere
 expect 2 'max_memory' scan.pcd refused.slim -tile_points 200000 -max_memory 5
 expect 2 'truncated' cut.pcd refused.slim -tile_points 20000
 expect 2 'No such file\|check the name' missing.pcd refused.slim -tile_points 20000
@@ -98,7 +98,7 @@ for kind in value nan cut tile plan; do
   same tiles.slim damaged.slim
   [ $kind = tile ] || [ $kind = plan ] || grep -q 'made again' err.txt || complain "$kind damaged: no warning"
 done
-expect 1 'plan folder' scan.pcd damaged.slim -tile_points 20000 -plan nowhere
+expect 2 "-plan: the folder 'nowhere' does not exist" scan.pcd damaged.slim -tile_points 20000 -plan nowhere
 
 for share in 0/3 2/3 1/3; do
   expect 0 '' scan.pcd shared.slim -tile_points 20000 -plan job -tiles $share -threads 1

@@ -135,9 +135,9 @@ refuses() {
   expect 2 'x y z' fields.pcd refused.pcd
   expect 1 'NaN' nan.pcd refused.pcd
   expect 1 'no points' none.pcd refused.pcd
-  expect 1 'does not exist' "$1" nowhere/refused.pcd
-  expect 1 'folder' "$1" folder.pcd
-  expect 1 'does not exist' "$1" refused.pcd -json nowhere/d.json
+  expect 2 'does not exist' "$1" nowhere/refused.pcd
+  expect 2 'folder' "$1" folder.pcd
+  expect 2 'does not exist' "$1" refused.pcd -json nowhere/d.json
   absent refused.pcd nowhere
   [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
 }

@@ -305,10 +305,7 @@ Result<PointFile> parsePointFile(const std::string& path, const std::vector<unsi
   std::string extension = isNameless(path) ? extensionOf(bytes) : lowerExtension(path);
   if (extension == ".las" && isCompressedLas(bytes)) extension = ".laz";
   if (extension == ".slim") {
-    return Error{ErrorCode::kBadInput,
-                 "'" + path +
-                     "' is a surface, not points; name a scan, or give the surface a name "
-                     "that ends in .slim"};
+    return Error{ErrorCode::kBadInput, "'" + path + "' is a surface, not points; name a scan"};
   }
   if (textFormatOf(extension) == nullptr && formatOf(path, extension) == nullptr)
     return refused(path, extension);
