@@ -84,6 +84,7 @@ in_debian() {
       shift 2
     done
     mount -t proc proc "$dir/proc"
+    mount -t sysfs -o ro sysfs "$dir/sys"
     [ -c "$dir/dev/null" ] || mount --rbind /dev "$dir/dev"
     exec chroot "$dir" /usr/bin/env -i "$@"' \
     in_debian "$dir" ${#mounts[@]} ${mounts[@]+"${mounts[@]}"} ${keep[@]+"${keep[@]}"} \
