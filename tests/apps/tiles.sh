@@ -155,7 +155,7 @@ assert all(0 < r["halo_bytes_sent"] < r["bytes_sent"] for r in ranks), ranks' ||
   # One rank's disk is full: not that of the others. Files of OpenMPI's shared memory are none of the test.
   printf '#!/bin/bash\n[ "$OMPI_COMM_WORLD_RANK" != 1 ] || ulimit -f 400\nexec "$@"\n' > full.sh
   chmod +x full.sh
-  OMPI_MCA_btl=tcp,self ranks 3 ./full.sh "$mpi" scan.pcd ranks.slim -tile_points 20000 -quiet
+  OMPI_MCA_btl=tcp,self OMPI_MCA_btl_tcp_if_include=lo ranks 3 ./full.sh "$mpi" scan.pcd ranks.slim -tile_points 20000 -quiet
   ends 'scratch file' 1
   # A rank is killed, the first and another, while tiles are fitted; then the job is interrupted.
   "$bin/pcl_slim_demo_scan" many.pcd -points 1500000 -quiet 1
