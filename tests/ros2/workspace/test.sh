@@ -72,7 +72,7 @@ CMAKE
 [ -z "$prefix" ] || folders=(--base-paths src/pcl_slim/ros2)
 export CMAKE_PREFIX_PATH=$work/ros${prefix:+:$prefix} MAKEFLAGS=-j${JOBS:-2}
 colcon build "${folders[@]}" --executor sequential --event-handlers console_direct- \
-  --cmake-args -DCMAKE_BUILD_TYPE=Release -DPCL_SLIM_BUILD_TESTS=OFF -DPCL_SLIM_BUILD_VISUALIZATION=OFF \
+  --cmake-args -DCMAKE_BUILD_TYPE=Release -DPCL_SLIM_BUILD_TESTS=OFF -DPCL_SLIM_BUILD_APPS=OFF -DPCL_SLIM_BUILD_VISUALIZATION=OFF \
   -DCMAKE_CXX_FLAGS_RELEASE=-O1 -DPython3_EXECUTABLE=/usr/bin/python3 --no-warn-unused-cli ||
   fail "colcon build failed: $(tail -n 40 "$work"/log/latest_build/*/stderr.log 2>/dev/null)"
 
