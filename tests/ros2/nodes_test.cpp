@@ -290,6 +290,13 @@ TEST(RosNodes, WrongOverridesLeaveANodeUnconfigured) {
   EXPECT_NE(log.back().find("noise and lambda"), std::string::npos) << log.back();
 }
 
+TEST(RosNodes, ParametersOfRclcppItselfAreNoneOfTheirs) {
+  SmootherNode node(optionsWith(
+      {{"noise", rclcpp::ParameterValue(.1)}, {"lambda", rclcpp::ParameterValue(1e-6)}}));
+  node.declare_parameter("use_sim_time", rclcpp::ParameterValue(false));
+  EXPECT_TRUE(node.set_parameter({"use_sim_time", rclcpp::ParameterValue(true)}).successful);
+}
+
 TEST(RosNodes, ChangedParametersWorkFromTheNextMessageOn) {
   Listener<PointCloud2> output("output");
   SmootherNode node(optionsWith({}));

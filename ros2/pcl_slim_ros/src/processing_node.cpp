@@ -75,13 +75,16 @@ ProcessingNode::ProcessingNode(const std::string& name, MakeWork make,
       make_(make),
       worker_([this](Cloud::UniquePtr message) { process(std::move(message)); }) {
   declareParameters();
-  on_change_ = add_on_set_parameters_callback(
-      [this](const std::vector<rclcpp::Parameter>& changed) { return change(changed); });
   ParameterDescriptor descriptor;
   descriptor.description =
       "configure and activate the node by itself; false: a lifecycle manager does";
   descriptor.read_only = true;
-  if (!declare_parameter("autostart", rclcpp::ParameterValue(true), descriptor).get<bool>()) return;
+  const bool starts =
+      declare_parameter("autostart", rclcpp::ParameterValue(true), descriptor).get<bool>();
+  // Not before: declarations call it, too, and values that contradict each other would throw there.
+  on_change_ = add_on_set_parameters_callback(
+      [this](const std::vector<rclcpp::Parameter>& changed) { return change(changed); });
+  if (!starts) return;
   start_timer_ = create_wall_timer(std::chrono::milliseconds(1), [this] { startByItself(); });
 }
 
@@ -112,6 +115,11 @@ NamedValues ProcessingNode::valuesWith(const std::vector<rclcpp::Parameter>& cha
 rcl_interfaces::msg::SetParametersResult ProcessingNode::change(
     const std::vector<rclcpp::Parameter>& changed) {
   rcl_interfaces::msg::SetParametersResult result;
+  const auto is_ours = [this](const rclcpp::Parameter& parameter) {
+    return std::count(names_.begin(), names_.end(), parameter.get_name()) > 0;
+  };
+  result.successful = std::none_of(changed.begin(), changed.end(), is_ours);
+  if (result.successful) return result;  // of rclcpp itself, as use_sim_time
   auto made = makeWork(make_, valuesWith(changed));
   result.successful = static_cast<bool>(made);
   if (!made) {

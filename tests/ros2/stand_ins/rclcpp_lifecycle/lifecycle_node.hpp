@@ -63,6 +63,8 @@ class LifecycleNode : public node_interfaces::LifecycleNodeInterface {
       throw rclcpp::exceptions::InvalidParameterTypeException(name);
     if (!isInRange(value, descriptor))
       throw rclcpp::exceptions::InvalidParameterValueException(name);
+    if (const auto handle = on_set_.lock(); handle && !handle->callback({{name, value}}).successful)
+      throw rclcpp::exceptions::InvalidParameterValueException(name);
     descriptors_[name] = descriptor;
     return parameters_[name] = value;
   }
