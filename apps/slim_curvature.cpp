@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_curvature: adds curvatures and normals of its SLIM surface to a scan; nothing moves.
-#include <array>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "common/file_program.h"
 #include "common/programs.h"
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/table/projected_fields.h"
 #include "projection/piece_stream.h"
 #include "projection/projection_job.h"
 
@@ -32,44 +30,11 @@ std::vector<std::string> fieldNames(bool directions) {
   return names;
 }
 
-using Values = std::array<float, 13>;
-
-/** The values of a point, in the order of fieldNames(). */
-Values valuesOf(const ProjectedPoint& point) {
-  const auto& n = point.normal;
-  const auto& d1 = point.principal.direction1;
-  const auto& d2 = point.principal.direction2;
-  return {point.principal.k1,
-          point.principal.k2,
-          point.mean_curvature,
-          point.gaussian_curvature,
-          n[0],
-          n[1],
-          n[2],
-          d1[0],
-          d1[1],
-          d1[2],
-          d2[0],
-          d2[1],
-          d2[2]};
-}
-
 /** The scan's points, unmoved, with the surface's fields. */
 PointFile withCurvatures(const PointFile& file, const CloudProjection& projection,
                          const ProjectionJob& job) {
-  const std::vector<std::string> names = fieldNames(job.more_fields);
-  PointFile made = withRealFields(file, names, kFloat32);
-  std::vector<FieldWriter> fields;
-  fields.reserve(names.size());
-  for (const std::string& name : names) fields.emplace_back(made.cloud, name);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const ProjectedPoint unknown = CloudProjection::unknownPoint({kNan, kNan, kNan});
-  parallelFor(
-      projection.size(), resolveThreads(job.projection.threads), 4096, [&](std::size_t i, int) {
-        const Values values = valuesOf(projection.isFinite(i) ? projection.point(i) : unknown);
-        for (std::size_t k = 0; k < fields.size(); ++k) fields[k].set(i, values[k]);
-      });
-  return made;
+  return withPoints(file, withProjected(file.cloud, projection, fieldNames(job.more_fields),
+                                        job.projection.threads));
 }
 
 Exit run(const OptionTable& options, ProjectionJob& job) {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_smooth: moves a scan's points onto its SLIM surface; every other field stays.
-#include <array>
-#include <initializer_list>
-#include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "common/file_program.h"
 #include "common/programs.h"
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/table/projected_fields.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
 #include "projection/piece_stream.h"
 #include "projection/projection_job.h"
@@ -52,61 +50,15 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   return {ErrorCode::kBadArgument, "-mesh is not possible by tiles: give -tile_points 0"};
 }
 
-constexpr std::initializer_list<const char*> kNormals = {"normal_x", "normal_y", "normal_z"};
-constexpr std::initializer_list<const char*> kCurvatures = {"k1", "k2", "mean_curvature",
-                                                            "gaussian_curvature"};
-
-/** The output's fields that a projection fills. */
-class SmoothFields {
- public:
-  SmoothFields(PointTable& cloud, const ProjectionJob& job) {
-    for (const char* name : {"x", "y", "z"}) position_.emplace_back(cloud, name);
-    for (const char* name : kNormals)
-      if (job.more_fields) normal_.emplace_back(cloud, name);
-    if (job.more_fields && !job.in_pieces) normal_.emplace_back(cloud, "curvature");
-    for (const char* name : kCurvatures)
-      if (job.curvatures) curvature_.emplace_back(cloud, name);
-  }
-
-  void move(std::size_t i, const ProjectedPoint& point) const {
-    for (std::size_t a = 0; a < 3; ++a) position_[a].set(i, point.position[a]);
-  }
-
-  void describe(std::size_t i, const ProjectedPoint& point) const {
-    const auto& n = point.normal;
-    write({n[0], n[1], n[2], point.surface_variation}, normal_, i);
-    write({point.principal.k1, point.principal.k2, point.mean_curvature, point.gaussian_curvature},
-          curvature_, i);
-  }
-
- private:
-  static void write(const std::array<float, 4>& values, const std::vector<FieldWriter>& fields,
-                    std::size_t i) {
-    for (std::size_t k = 0; k < fields.size(); ++k) fields[k].set(i, values[k]);
-  }
-
-  std::vector<FieldWriter> position_, normal_, curvature_;
-};
-
-/** The scan's points on the surface, with normals where they are wanted. */
+/** The scan's points on the surface, with normals and curvatures where they are wanted. */
 PointFile smoothed(const PointFile& file, const CloudProjection& projection,
                    const ProjectionJob& job) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const ProjectedPoint unknown = CloudProjection::unknownPoint({kNan, kNan, kNan});
-  // Integer coordinates cannot represent the points' new positions.
-  PointFile made = withRealFields(file, {"x", "y", "z"}, kFloat64);
-  if (job.more_fields) made = withRealFields(made, {kNormals.begin(), kNormals.end()}, kFloat32);
-  if (job.more_fields && !job.in_pieces) made = withRealFields(made, {"curvature"}, kFloat32);
+  std::vector<std::string> names = {"x", "y", "z"};
+  if (job.more_fields) names.insert(names.end(), {"normal_x", "normal_y", "normal_z"});
+  if (job.more_fields && !job.in_pieces) names.emplace_back("curvature");
   if (job.curvatures)
-    made = withRealFields(made, {kCurvatures.begin(), kCurvatures.end()}, kFloat32);
-  const SmoothFields fields(made.cloud, job);
-  parallelFor(projection.size(), resolveThreads(job.projection.threads), 4096,
-              [&](std::size_t i, int) {
-                const ProjectedPoint point = projection.isFinite(i) ? projection.point(i) : unknown;
-                if (projection.isSupported(i)) fields.move(i, point);
-                fields.describe(i, point);
-              });
-  return made;
+    names.insert(names.end(), {"k1", "k2", "mean_curvature", "gaussian_curvature"});
+  return withPoints(file, withProjected(file.cloud, projection, names, job.projection.threads));
 }
 
 void reportMesh(const MeshSmoothStatistics& s, Report& report) {

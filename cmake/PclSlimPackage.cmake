@@ -36,7 +36,7 @@ endfunction()
 # install with PCL.
 function(pcl_slim_install_pkg_config components)
   set(modules ${components})
-  list(REMOVE_ITEM modules mpi io normals filters visualization)
+  list(REMOVE_ITEM modules mpi io table normals filters visualization)
   list(REVERSE modules)
   set(others -ltbb -lhwy -lz -pthread)
   if(PCL_SLIM_WITH_PNG)
@@ -67,7 +67,7 @@ function(pcl_slim_install_pkg_config components)
     list(REMOVE_ITEM flags /usr/include) # named again, it hides the compiler's own headers
     list(TRANSFORM flags PREPEND -I)
     list(JOIN flags " " flags)
-    pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim "filters;normals;io"
+    pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim "filters;normals;table;io"
       "${others}" "${flags}")
   endif()
 endfunction()

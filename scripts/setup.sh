@@ -35,6 +35,9 @@ fi
 
 # LASzip, for .laz, is in Debian from version 13 on.
 apt-cache show liblaszip-dev >/dev/null 2>&1 && optional+=(liblaszip-dev)
+# The workspace of ROS's nodes.
+colcon=(colcon python3-colcon-ros python3-colcon-package-information ament-cmake)
+case ${1-} in ci | nightly) apt-cache show "${colcon[@]}" >/dev/null 2>&1 && optional+=("${colcon[@]}") ;; esac
 
 installed() { # PACKAGE
   [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]

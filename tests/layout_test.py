@@ -16,7 +16,7 @@ import os
 import re
 import sys
 
-SOURCES = ("modules", "filters", "visualization", "apps", "tests", "examples", "benchmarks")
+SOURCES = ("modules", "filters", "visualization", "apps", "ros2", "tests", "examples", "benchmarks")
 MOST_LINES_IN_FILE = 600
 MOST_LINES_IN_FUNCTION = 60
 
@@ -41,12 +41,13 @@ ARROWS = {
     "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),
+    "ros2": MODULES + ("filters",),
     "lab": MODULES,
     "comparison": MODULES + ("filters", "apps", "lab"),
     "demo_scan": MODULES + ("filters", "apps"),
     "examples": MODULES + ("filters", "visualization"),
     "benchmarks": MODULES + ("filters", "visualization", "apps", "lab", "comparison"),
-    "tests": MODULES + ("filters", "visualization", "apps", "lab", "comparison"),
+    "tests": MODULES + ("filters", "visualization", "apps", "ros2", "lab", "comparison"),
 }
 # Folders that are rooms of their own in one that may include other things.
 OWN_ROOMS = ("tests/support/lab/", "benchmarks/comparison/", "examples/demo_scan/")
@@ -260,7 +261,7 @@ def breaches(root, paths):
             yield f"{what} include each other in a cycle: " + " -> ".join(found)
     defined = collections.defaultdict(list)
     for path in paths:
-        if path.startswith(("modules/", "filters/", "visualization/")):
+        if path.startswith(("modules/", "filters/", "visualization/", "ros2/")):
             for name in types_of(texts[path]):
                 defined[name].append(path)
     for name, where in sorted(defined.items()):

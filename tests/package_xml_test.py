@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE
+"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE [BUILD_TYPE]
 
 Uses catkin_pkg, the parser behind colcon and rosdep, where it is installed, and in any case checks
 what a plain CMake package needs. Exit 0 when all is well; otherwise 1 and one line per defect.
@@ -26,7 +26,7 @@ def text(root, tag):
     return (found[0].text or "").strip() if len(found) == 1 else ""
 
 
-def check_by_hand(path, cmake_version):
+def check_by_hand(path, cmake_version, build_type):
     """Defects against REP 149 (format 3) that need no ROS tool to find."""
     try:
         root = ElementTree.parse(path).getroot()
@@ -55,13 +55,13 @@ def check_by_hand(path, cmake_version):
             require(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+.-]*", (child.text or "").strip()),
                     f"<{child.tag}> names no package")
     tools = [(child.text or "").strip() for child in root.findall("buildtool_depend")]
-    require(tools == ["cmake"], f"a plain CMake package needs cmake alone to build, not {tools}")
-    require([t.text for t in root.findall("export/build_type")] == ["cmake"],
-            "<export> needs one <build_type>cmake</build_type>")
+    require(tools == [build_type], f"a package of {build_type} needs that alone to build, not {tools}")
+    require([t.text for t in root.findall("export/build_type")] == [build_type],
+            f"<export> needs one <build_type>{build_type}</build_type>")
     return defects
 
 
-def check_with_catkin(path):
+def check_with_catkin(path, build_type):
     """Defects that catkin_pkg finds; None when it is not installed."""
     try:
         from catkin_pkg.package import InvalidPackage, parse_package
@@ -74,18 +74,19 @@ def check_with_catkin(path):
     except InvalidPackage as error:
         return [str(error)]
     defects = [f"{path}: {warning}" for warning in warnings]
-    if package.get_build_type() != "cmake":
-        defects.append(f"{path}: build type is {package.get_build_type()}, not cmake")
+    if package.get_build_type() != build_type:
+        defects.append(f"{path}: build type is {package.get_build_type()}, not {build_type}")
     return defects
 
 
 def main():
     """Runs both checks and reports."""
     path, cmake_version, license_path = sys.argv[1:4]
-    defects = check_by_hand(path, cmake_version)
+    build_type = sys.argv[4] if len(sys.argv) > 4 else "cmake"
+    defects = check_by_hand(path, cmake_version, build_type)
     if not os.path.isfile(license_path):
         defects.append(f"{license_path}: the licence that package.xml names is not there")
-    from_catkin = check_with_catkin(path)
+    from_catkin = check_with_catkin(path, build_type)
     defects += from_catkin or []
     for defect in defects:
         print(defect)

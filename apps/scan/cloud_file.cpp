@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -14,73 +13,8 @@
 
 namespace pcl_slim {
 
-namespace {
-
-/** A field of colours that is packed into four bytes, or null. */
-const PointField* packedField(const PointTable& points) {
-  for (const char* name : {"rgba", "rgb"}) {
-    const int i = findField(points, name);
-    if (i < 0) continue;
-    const PointField& field = points.fields[static_cast<std::size_t>(i)];
-    if (field.datatype == kFloat32 || field.datatype == kUInt32 || field.datatype == kInt32)
-      return &field;
-  }
-  return nullptr;
-}
-
-/** The fields of blue, green and red, or nothing. */
-std::vector<const PointField*> channelFields(const PointTable& points) {
-  std::vector<const PointField*> fields;
-  for (const auto& names : {std::array<const char*, 3>{"blue", "green", "red"},
-                            std::array<const char*, 3>{"b", "g", "r"}}) {
-    fields.clear();
-    for (const char* name : names) {
-      const int i = findField(points, name);
-      if (i >= 0) fields.push_back(&points.fields[static_cast<std::size_t>(i)]);
-    }
-    if (fields.size() == 3) return fields;
-  }
-  return {};
-}
-
-double whiteOf(double largest, bool fractions) {
-  if (fractions && largest <= 1.0) return 1.0;
-  return largest <= 255.0 ? 255.0 : std::max(largest, 65535.0);
-}
-
-/** Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their white
- * is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
-void adoptColors(CloudFile& cloud) {
-  const PointTable& points = cloud.file.cloud;
-  const auto fields = channelFields(points);
-  if (fields.empty() || packedField(points) != nullptr) return;
-  double largest = 0;
-  bool fractions = false;
-  for (const PointField* field : fields) {
-    fractions = fractions || field->datatype == kFloat32 || field->datatype == kFloat64;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const double value = fieldValue(points, i, *field);
-      if (std::isfinite(value)) largest = std::max(largest, value);
-    }
-  }
-  const double white = whiteOf(largest, fractions);
-  cloud.colors.resize(3 * cloud.size());
-  for (std::size_t i = 0; i < cloud.colors.size(); ++i) {
-    const double share = fieldValue(points, i / 3, *fields[i % 3]) / white;
-    if (share > 0)
-      cloud.colors[i] = static_cast<std::uint8_t>(std::lround(255 * std::min(share, 1.0)));
-  }
-}
-
-}  // namespace
-
 ColorView colorsOf(const CloudFile& cloud) {
-  const PointTable& points = cloud.file.cloud;
-  if (const auto* field = packedField(points)) {
-    return {points.data.data() + field->offset, points.point_step};
-  }
-  if (cloud.colors.empty()) return {};
-  return {cloud.colors.data(), 3};
+  return cloud.colorViewOf(cloud.file.cloud);
 }
 
 namespace {
@@ -131,40 +65,6 @@ bool turnOutwards(const std::function<std::array<double, 3>(std::uint32_t)>& pos
   return true;
 }
 
-constexpr const char* kCoordinates[3] = {"x", "y", "z"};
-constexpr const char* kNormals[3] = {"normal_x", "normal_y", "normal_z"};
-constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
-
-bool findTriple(const PointTable& cloud, const char* const (&names)[3],
-                const PointField* (&fields)[3]) {
-  for (int k = 0; k < 3; ++k) {
-    const int i = findField(cloud, names[k]);
-    if (i < 0) return false;
-    fields[k] = &cloud.fields[static_cast<std::size_t>(i)];
-  }
-  return true;
-}
-
-/** Whether three fields are consecutive values of this type at addresses aligned for it. */
-bool usableInPlace(const PointTable& cloud, const PointField* const (&fields)[3], std::uint8_t type,
-                   std::size_t size) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (fields[k]->datatype != type || fields[k]->offset != fields[0]->offset + k * size)
-      return false;
-  }
-  const auto address = reinterpret_cast<std::uintptr_t>(cloud.data.data()) + fields[0]->offset;
-  return address % size == 0 && cloud.point_step % size == 0;
-}
-
-template <typename T>
-std::vector<T> copyTriple(const PointTable& cloud, const PointField* const (&fields)[3]) {
-  std::vector<T> values(numPoints(cloud) * 3);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<T>(fieldValue(cloud, i / 3, *fields[i % 3]));
-  }
-  return values;
-}
-
 /** Sum of the faces' area vectors around each vertex, made unit; zero where there is no face. */
 std::vector<float> meshNormals(const PointFile& file, const CloudView& view) {
   std::vector<std::array<double, 3>> sums(view.size);
@@ -196,40 +96,14 @@ std::vector<float> meshNormals(const PointFile& file, const CloudView& view) {
   return normals;
 }
 
-/** Takes the places that points were seen from out of their fields, unless all are 0: unknown. */
-void adoptSensors(CloudFile& cloud) {
-  const PointField* fields[3];
-  if (!findTriple(cloud.file.cloud, kSensors, fields)) return;
-  std::vector<double> places = copyTriple<double>(cloud.file.cloud, fields);
-  const bool known = std::any_of(places.begin(), places.end(), [](double v) { return v != 0; });
-  if (known) cloud.sensors = std::move(places);
-}
-
-/** Whether one of three fields is not 0 everywhere: some programs write normals that they lack as 0. */
-bool hasValues(const PointTable& cloud, const PointField* const (&fields)[3]) {
-  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
-    for (const PointField* field : fields) {
-      const double value = fieldValue(cloud, i, *field);
-      if (value != 0 && std::isfinite(value)) return true;
-    }
-  }
-  return false;
-}
-
-void adoptNormals(CloudFile& cloud) {
-  const PointField* fields[3];
-  if (findTriple(cloud.file.cloud, kNormals, fields) && hasValues(cloud.file.cloud, fields)) {
-    cloud.normal_source = NormalSource::kFields;
-    if (!usableInPlace(cloud.file.cloud, fields, kFloat32, sizeof(float))) {
-      cloud.normals = copyTriple<float>(cloud.file.cloud, fields);
-    }
-  } else if (cloud.file.numFaces() > 0) {
-    const CloudView view = cloud.view();
-    cloud.turned_outwards =
-        turnOutwards([&](std::uint32_t i) { return view.position(i); }, cloud.file);
-    cloud.normals = meshNormals(cloud.file, view);
-    cloud.normal_source = NormalSource::kMesh;
-  }
+/** Takes normals of the faces where no field has them. */
+void adoptMeshNormals(CloudFile& cloud) {
+  if (cloud.normal_source != NormalSource::kNothing || cloud.file.numFaces() == 0) return;
+  const CloudView view = cloud.view();
+  cloud.turned_outwards =
+      turnOutwards([&](std::uint32_t i) { return view.position(i); }, cloud.file);
+  cloud.normals = meshNormals(cloud.file, view);
+  cloud.normal_source = NormalSource::kMesh;
 }
 
 }  // namespace
@@ -241,34 +115,10 @@ std::array<double, 3> CloudFile::sensor() const {
 }
 
 CloudView CloudFile::view(bool with_normals) const {
-  CloudView view;
+  CloudView view = viewOf(file.cloud, with_normals);
   const std::array<double, 3> at = sensor();
   // An organized cloud has its sensor even at 0, others may have none that is known.
   if (file.cloud.height > 1 || at != std::array<double, 3>{}) view.sensor = at;
-  if (!sensors.empty()) {
-    view.sensors = sensors.data();
-    view.sensors_stride = 3 * sizeof(double);
-  }
-  if (!frames.empty()) view.frame_numbers = frames.data();
-  const PointField* fields[3];
-  view.size = size();
-  view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
-  if (!xyz.empty()) {
-    view.scalar = CloudView::Scalar::kDouble;
-    view.xyz = xyz.data();
-    view.xyz_stride = 3 * sizeof(double);
-  } else if (findTriple(file.cloud, kCoordinates, fields)) {
-    view.xyz = file.cloud.data.data() + fields[0]->offset;
-    view.xyz_stride = file.cloud.point_step;
-  }
-  if (!with_normals || normal_source == NormalSource::kNothing) return view;
-  if (!normals.empty()) {
-    view.normal = normals.data();
-    view.normal_stride = 3 * sizeof(float);
-  } else if (findTriple(file.cloud, kNormals, fields)) {
-    view.normal = file.cloud.data.data() + fields[0]->offset;
-    view.normal_stride = file.cloud.point_step;
-  }
   return view;
 }
 
@@ -279,25 +129,12 @@ Result<CloudFile> loadCloudFile(const std::string& path) {
 }
 
 Result<CloudFile> asCloudFile(PointFile file, const std::string& name) {
+  Result<ScanColumns> columns = ScanColumns::of(file.cloud);
+  if (!columns) return badInput("'" + name + "' has no fields x y z; name a point cloud");
   CloudFile cloud;
+  static_cast<ScanColumns&>(cloud) = std::move(*columns);
   cloud.file = std::move(file);
-  const PointTable& points = cloud.file.cloud;
-  const PointField* fields[3];
-  if (!findTriple(points, kCoordinates, fields)) {
-    return Error{ErrorCode::kBadInput, "'" + name + "' has no fields x y z; name a point cloud"};
-  }
-  cloud.double_precision = usableInPlace(points, fields, kFloat64, sizeof(double));
-  if (!cloud.double_precision && !usableInPlace(points, fields, kFloat32, sizeof(float))) {
-    cloud.xyz = copyTriple<double>(points, fields);
-    cloud.double_precision = true;
-  }
-  const CloudView view = cloud.view();
-  for (std::size_t i = 0; i < view.size; ++i) {
-    cloud.num_non_finite += isFinite(view.position(i)) ? 0 : 1;
-  }
-  adoptSensors(cloud);
-  adoptNormals(cloud);
-  adoptColors(cloud);
+  adoptMeshNormals(cloud);
   return cloud;
 }
 
@@ -307,64 +144,7 @@ Error estimateNormals(int k, const std::optional<std::array<double, 3>>& viewpoi
   return estimateNormals(cloud.view(false), k, viewpoint, threads, cloud.normals);
 }
 
-namespace {
-
-bool isReal(const PointField& field) {
-  return field.datatype == kFloat32 || field.datatype == kFloat64;
-}
-
-std::size_t realSize(std::uint8_t type) {
-  return type == kFloat64 ? sizeof(double) : sizeof(float);
-}
-
-/** Bytes of a field, with all its elements. */
-std::size_t fieldBytes(const PointField& field) {
-  return scalarSize(field.datatype) * std::max<std::size_t>(field.count, 1);
-}
-
-void storeReal(unsigned char* at, bool is_double, double value) {
-  if (is_double) {
-    std::memcpy(at, &value, sizeof(value));
-    return;
-  }
-  const float narrow = finiteFloat(value);
-  std::memcpy(at, &narrow, sizeof(narrow));
-}
-
-/** Copies one field of every point to its place in another layout, changing its type if need be. */
-void moveField(const PointTable& from, const PointField& source, const PointField& target,
-               PointTable& to) {
-  const std::size_t bytes = fieldBytes(source);
-  for (std::size_t i = 0; i < numPoints(from); ++i) {
-    unsigned char* at = to.data.data() + i * to.point_step + target.offset;
-    if (source.datatype == target.datatype) {
-      std::memcpy(at, from.data.data() + i * from.point_step + source.offset, bytes);
-    } else {
-      const bool is_double = target.datatype == kFloat64;
-      storeReal(at, is_double, fieldValue(from, i, source));
-    }
-  }
-}
-
-}  // namespace
-
-PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
-                         std::uint8_t type) {
-  const PointTable& from = file.cloud;
-  std::vector<PointField> fields = from.fields;
-  bool same = true;
-  for (const std::string& name : names) {
-    const int i = findField(from, name);
-    if (i >= 0 && isReal(from.fields[static_cast<std::size_t>(i)])) continue;
-    if (i < 0) fields.emplace_back();
-    PointField& field = i < 0 ? fields.back() : fields[static_cast<std::size_t>(i)];
-    field.name = name;
-    field.datatype = type;
-    field.count = 1;
-    same = false;
-  }
-  if (same) return file;
-
+PointFile withPoints(const PointFile& file, PointTable points) {
   PointFile made;
   made.sensor_origin = file.sensor_origin;
   made.sensor_orientation = file.sensor_orientation;
@@ -373,31 +153,13 @@ PointFile withRealFields(const PointFile& file, const std::vector<std::string>& 
   made.face_vertices = file.face_vertices;
   made.las_head = file.las_head;
   made.las_tail = file.las_tail;
-  PointTable& to = made.cloud;
-  to.width = from.width;
-  to.height = from.height;
-  std::size_t step = 0;
-  for (PointField& field : fields) {
-    field.offset = static_cast<std::uint32_t>(step);
-    step += fieldBytes(field);
-  }
-  to.fields = std::move(fields);
-  to.point_step = static_cast<std::uint32_t>(step);
-  to.data.assign(step * numPoints(from), 0);
-  for (std::size_t k = 0; k < from.fields.size(); ++k) {
-    moveField(from, from.fields[k], to.fields[k], to);
-  }
+  made.cloud = std::move(points);
   return made;
 }
 
-FieldWriter::FieldWriter(PointTable& cloud, const std::string& name) : step_(cloud.point_step) {
-  const auto& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
-  first_ = cloud.data.data() + field.offset;
-  double_ = realSize(field.datatype) == sizeof(double);
-}
-
-void FieldWriter::set(std::size_t point, double value) const {
-  storeReal(first_ + point * step_, double_, value);
+PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
+                         std::uint8_t type) {
+  return withPoints(file, withRealFields(file.cloud, names, type));
 }
 
 }  // namespace pcl_slim

@@ -11,35 +11,21 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/filters/io/point_file.h"
-#include "pcl_slim/splat/octree_cloud.h"
+#include "pcl_slim/filters/io/scan_table.h"
+#include "pcl_slim/filters/io/table_fields.h"
 #include "scan/input_options.h"
 
 namespace pcl_slim {
 
-/** \brief Where a cloud's normals come from. */
-enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
-
 /** \brief A scan as a program works on it: the file with all its fields, and a view of its points.
  *
- * Coordinates are read in the file's own precision, without a copy where their layout is one of
- * CloudView's own. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its
- * faces, weighted by area; vertices no face names then have none. A closed mesh whose faces face
- * inwards is turned outwards. The places that points were seen from come from the fields vp_x vp_y
- * vp_z, unless all of them are zero.
+ * What ScanColumns reads of the fields; without normals there, those of a mesh come from its faces,
+ * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is
+ * turned outwards.
  */
-struct CloudFile {
+struct CloudFile : ScanColumns {
   PointFile file;
-  std::vector<double> xyz;     ///< coordinates, where they could not be used in place
-  std::vector<float> normals;  ///< normals, likewise, and those made here
-  std::vector<double>
-      sensors;  ///< x y z that each point was seen from, or none; view() refers to them
-  std::vector<std::uint32_t> frames;  ///< which of several merged frames each is from, likewise
-  std::vector<std::uint8_t>
-      colors;  ///< blue green red of each point, where no field has them packed
-  NormalSource normal_source = NormalSource::kNothing;
-  bool double_precision = false;
   bool turned_outwards = false;  ///< the faces are a closed mesh's, which faced inwards in the file
-  std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
 
   std::size_t size() const { return numPoints(file.cloud); }
 
@@ -57,8 +43,7 @@ Result<CloudFile> loadCloudFile(const std::string& path);
 /** \brief A cloud of points that are read already. \param[in] name what an error calls them. */
 Result<CloudFile> asCloudFile(PointFile file, const std::string& name);
 
-/** \brief The colours of a cloud's points, in its field rgba or rgb where that is packed into four
- * bytes, or those that loading brought to bytes; null without. Valid as long as view() is. */
+/** \brief The colours of a cloud's points; null without. Valid as long as view() is. */
 ColorView colorsOf(const CloudFile& cloud);
 
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
@@ -89,28 +74,11 @@ Error mergeFrames(const std::string& name, const std::vector<std::string>& other
 Error framesByField(const PointTable& cloud, const std::string& field,
                     std::vector<std::uint32_t>& numbers);
 
-/** \brief A copy of a point file in which these fields can be written as real numbers.
- *
- * Fields keep their order, bytes and types; a named one of a whole-number type becomes type,
- * one that is not there is added at the end as type, with zeros. \param[in] type
- * kFloat32 or FLOAT64. O(bytes of the cloud).
- */
+/** \brief The file with other points: its sensor, comments, faces and records of LAS. */
+PointFile withPoints(const PointFile& file, PointTable points);
+
+/** \brief A copy of a point file in which these fields can be written as real numbers. */
 PointFile withRealFields(const PointFile& file, const std::vector<std::string>& names,
                          std::uint8_t type);
-
-/** \brief Writes one field of type FLOAT32 or FLOAT64, point by point; from several threads if
- * they write different points. */
-class FieldWriter {
- public:
-  /** \param[in,out] cloud must have the field and outlive this object. */
-  FieldWriter(PointTable& cloud, const std::string& name);
-
-  void set(std::size_t point, double value) const;
-
- private:
-  unsigned char* first_;
-  std::size_t step_;
-  bool double_;
-};
 
 }  // namespace pcl_slim

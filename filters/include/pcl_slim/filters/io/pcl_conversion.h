@@ -6,12 +6,10 @@
 #include <pcl/conversions.h>
 #include <pcl/point_cloud.h>
 
-#include <cstddef>
-#include <cstring>
 #include <utility>
-#include <vector>
 
 #include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/filters/io/point_message.h"
 #include "pcl_slim/filters/io/point_table.h"
 
 // Points of files as PCL's clouds and back; needs PCL's headers and nothing of pcl_slim but io.
@@ -22,18 +20,7 @@ namespace pcl_slim {
  * false: points may have NaN coordinates. */
 inline pcl::PCLPointCloud2 toPCL(PointTable table) {
   pcl::PCLPointCloud2 cloud;
-  for (const PointField& field : table.fields) {
-    pcl::PCLPointField& made = cloud.fields.emplace_back();
-    made.name = field.name;
-    made.offset = field.offset;
-    made.datatype = field.datatype;
-    made.count = field.count;
-  }
-  cloud.height = table.height;
-  cloud.width = table.width;
-  cloud.point_step = table.point_step;
-  cloud.row_step = table.point_step * table.width;
-  cloud.data = std::move(table.data);
+  putPoints(std::move(table), false, cloud);
   return cloud;
 }
 
@@ -41,23 +28,7 @@ inline pcl::PCLPointCloud2 toPCL(PointTable table) {
  * place in files. A cloud that contradicts itself stays as it is: checkPointTable() names the
  * defect. */
 inline PointTable toPointTable(pcl::PCLPointCloud2 cloud) {
-  PointTable table;
-  for (const pcl::PCLPointField& field : cloud.fields) {
-    table.fields.push_back({field.name, field.offset, field.datatype, field.count});
-  }
-  table.height = cloud.height;
-  table.width = cloud.width;
-  table.point_step = cloud.point_step;
-  const std::size_t row = std::size_t{cloud.point_step} * cloud.width;
-  table.data = std::move(cloud.data);
-  const bool padded = cloud.row_step > row && cloud.height > 0 &&
-                      table.data.size() / cloud.row_step >= cloud.height - 1 &&
-                      table.data.size() >= std::size_t{cloud.row_step} * (cloud.height - 1) + row;
-  if (!padded) return table;
-  for (std::size_t i = 1; i < cloud.height; ++i)
-    std::memmove(table.data.data() + i * row, table.data.data() + i * cloud.row_step, row);
-  table.data.resize(row * cloud.height);
-  return table;
+  return takePoints(std::move(cloud));
 }
 
 /** \brief A file's points as a cloud of PCL's point types, with the sensor's pose. */
