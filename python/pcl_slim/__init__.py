@@ -11,7 +11,7 @@ as surface=. Options are keyword arguments with the names and the meaning of the
 place where rows are three consecutive float32 or float64. Work runs without the interpreter's lock and ends at Ctrl-C.
 """
 from ._pcl_slim import (Camera, Curvature, Lines, Mesh, Normals, NoSurfaceError, Projection, Samples, Splats, Surface,
-                        __version__, covariances, curvature, fit, lines, load, normals, smooth, splats)
+                        __version__, covariances, curvature, fit, lines, load, normals, save_picture, smooth, splats)
 
 __all__ = ["Camera", "Curvature", "Lines", "Mesh", "NoSurfaceError", "Normals", "Projection", "Samples", "Splats",
-           "Surface", "covariances", "curvature", "fit", "lines", "load", "normals", "smooth", "splats", "__version__"]
+           "Surface", "covariances", "curvature", "fit", "lines", "load", "normals", "save_picture", "smooth", "splats", "__version__"]

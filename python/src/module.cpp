@@ -30,7 +30,7 @@ PYBIND11_MODULE(_pcl_slim, m) {
   bindLines(m, surface);
   bindMesh(surface, mesh);
   bindSplats(m, splats);
-  bindPictures(surface, mesh, splats);
+  bindPictures(m, surface, mesh, splats);
   for (const char* name : {"Surface", "Mesh", "Splats", "Camera", "Lines"})
     m.attr(name).attr("__module__") = "pcl_slim";
 }

@@ -4,7 +4,6 @@
 
 #include <pybind11/stl.h>
 
-#include <fstream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -274,6 +273,32 @@ py::object splatsPage(const SplatsPointer& splats, const py::object& path,
   });
 }
 
+constexpr const char* kSavePictureDoc = R"doc(save_picture(path, picture)
+
+Writes a picture of render(), (height, width, 3 or 4) uint8, as .png or .ppm. A fourth channel is left
+out.)doc";
+
+void savePicture(const py::object& path, const py::array& picture) {
+  const std::string file = readPath(path);
+  if (Error error = checkImageExtension(file)) raise(error);
+  const bool bytes = picture.dtype().kind() == 'u' && picture.itemsize() == 1;
+  const bool rows = picture.ndim() == 3 && (picture.shape(2) == 3 || picture.shape(2) == 4);
+  if (!bytes || !rows || picture.size() == 0)
+    raiseValue(
+        "a picture is an array (height, width, 3 or 4) of uint8: pass what render() returned");
+  const py::array_t<std::uint8_t> array(picture);
+  const auto at = array.unchecked<3>();
+  auto image = std::make_shared<Image>();
+  image->height = static_cast<int>(at.shape(0));
+  image->width = static_cast<int>(at.shape(1));
+  for (py::ssize_t y = 0; y < at.shape(0); ++y) {
+    for (py::ssize_t x = 0; x < at.shape(1); ++x) {
+      for (py::ssize_t c = 0; c < 3; ++c) image->rgb.push_back(at(y, x, c));
+    }
+  }
+  run(py::none(), nullptr, [image, file](Work&) { return saveImage(file, *image); });
+}
+
 /** The page in a frame of a notebook. */
 py::object framed(const py::object& page) {
   const py::object escaped = py::module_::import("html").attr("escape")(page);
@@ -300,13 +325,14 @@ void definePage(Type& type, const Page& page) {
 
 }  // namespace
 
-void bindPictures(py::class_<Surface, SurfacePointer>& surface, py::class_<Mesh, MeshPointer>& mesh,
-                  py::class_<Splats, SplatsPointer>& splats) {
+void bindPictures(py::module_& m, py::class_<Surface, SurfacePointer>& surface,
+                  py::class_<Mesh, MeshPointer>& mesh, py::class_<Splats, SplatsPointer>& splats) {
   defineRender<SurfacePointer>(surface, &renderSurface);
   defineRender<MeshPointer>(mesh, &renderTriangles);
   defineRender<SplatsPointer>(splats, &renderSplats);
   definePage<SurfacePointer>(surface, &surfacePage);
   definePage<SplatsPointer>(splats, &splatsPage);
+  m.def("save_picture", &savePicture, py::arg("path"), py::arg("picture"), kSavePictureDoc);
 }
 
 }  // namespace pcl_slim::python

@@ -136,19 +136,22 @@ double noiseOf(const SLIMSurface& s) {
   return std::sqrt(std::max(0.0, s.info.lambda)) * s.info.diagonal * s.info.scale;
 }
 
+std::string counted(std::uint64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 std::string describe(const Surface& surface) {
   const SLIMSurface& s = surface.get();
-  char text[256];
-  std::snprintf(text, sizeof(text),
-                "<pcl_slim.Surface: %zu leaves of degree %d, %zu levels, of %llu points, noise "
-                "%.3g, %s%s%s>",
-                s.numLeaves(), s.info.degree, s.numLevels(),
-                static_cast<unsigned long long>(s.info.num_points), noiseOf(s),
-                s.info.oriented ? "oriented" : "without sides", s.hasTrimMaps() ? ", open" : "",
-                s.hasTextures() ? ", textured"
-                : s.hasColors() ? ", coloured"
-                                : "");
-  return text;
+  char noise[32];
+  std::snprintf(noise, sizeof(noise), "%.3g", noiseOf(s));
+  std::string text = "<pcl_slim.Surface: ";
+  text += s.numLeaves() == 1 ? "1 leaf" : std::to_string(s.numLeaves()) + " leaves";
+  text += " of degree " + std::to_string(s.info.degree) + ", " + counted(s.numLevels(), "level");
+  text += ", fitted to " + counted(s.info.num_points, "point") + ", noise " + noise;
+  if (s.info.oriented) text += ", oriented";
+  if (s.hasTrimMaps()) text += ", with borders";
+  if (s.hasColors()) text += s.hasTextures() ? ", textured" : ", coloured";
+  return text + ">";
 }
 
 void save(const Surface& surface, const py::object& path, const py::kwargs& given) {
@@ -271,7 +274,7 @@ void bindProperties(py::class_<Surface, SurfacePointer>& type) {
           "Number of points that the surface was fitted to (int).")
       .def_property_readonly(
           "oriented", [](const Surface& s) { return s.get().info.oriented; },
-          "Whether all normals point to one side (bool).")
+          "Whether normals, sensors or sides of thin parts decided the side (bool).")
       .def_property_readonly(
           "has_colors", [](const Surface& s) { return s.get().hasColors(); },
           "Whether the surface has colours (bool).")
