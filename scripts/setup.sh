@@ -16,9 +16,10 @@ if [ "${1-}" = nightly ]; then
   packages+=(chromium)
   command -v node >/dev/null || packages+=(nodejs)
 fi
-# Benchmarks, ROS's own check of package.xml in the tests, and the X server that windows are tested
-# on: nothing fails without them.
+# Benchmarks, ROS's own check of package.xml in the tests, the X server that windows are tested on, and the Python
+# package: nothing fails without them.
 optional=(libnanoflann-dev python3-catkin-pkg xvfb xauth libgl1-mesa-dri)
+optional+=(pybind11-dev python3-dev python3-numpy python3-pytest)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This is not Debian or Ubuntu: install what these packages hold, then run cmake by hand:" >&2

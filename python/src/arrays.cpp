@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -57,6 +58,9 @@ py::array fieldsOf(const py::array& array, const char* name) {
                                   ": pass an array of shape (n, 3)"));
     const py::tuple field = fields[axis];
     types[a] = field[0].cast<py::dtype>();
+    if (std::strchr("fiu", types[a].kind()) == nullptr || types[a].kind() == '\0')
+      raiseValue(quoted(name, std::string("has a field ") + axis + " of the type " +
+                                  textOf(types[a]) + ": pass numbers"));
     offsets[a] = field[1].cast<py::ssize_t>();
   }
   if (array.ndim() != 1)

@@ -67,15 +67,15 @@ py::array_t<T> newArray(std::vector<py::ssize_t> shape) {
   return py::array_t<T>(std::move(shape));
 }
 
-/** \brief A column of a shared object as an array that keeps the object alive; nothing is copied and
- * nothing may be written. */
+/** \brief A column of a shared object as an array that keeps the object alive; nothing is copied.
+ * Open3D takes no read-only arrays: what is written changes the object. */
 template <typename T, typename Owner>
-py::array viewOf(const std::shared_ptr<Owner>& owner, const T* data,
-                 std::vector<py::ssize_t> shape) {
+py::array viewOf(const std::shared_ptr<Owner>& owner, const T* data, std::vector<py::ssize_t> shape,
+                 bool writable = true) {
   using Kept = std::shared_ptr<Owner>;
   const py::capsule keep(new Kept(owner), [](void* kept) { delete static_cast<Kept*>(kept); });
   py::array_t<T> array(std::move(shape), data, keep);
-  array.attr("setflags")(py::arg("write") = false);
+  if (!writable) array.attr("setflags")(py::arg("write") = false);
   return std::move(array);
 }
 

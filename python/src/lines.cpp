@@ -125,8 +125,13 @@ void bindLines(py::module_& m, py::class_<Surface, SurfacePointer>& type) {
   defineColumn(lines_type, "k2", &L::k2, "Least curvature [1/length], (v,) float32.");
   defineColumn(lines_type, "significance", &L::significance,
                "How far a line stands out [deviations of the noise], (v,) float32.");
-  defineColumn(lines_type, "offsets", &L::line_begin,
-               "First vertex of each line, then the number of vertices, (len + 1,) uint32.");
+  lines_type.def_property_readonly(
+      "offsets",
+      [](const Lines& lines) {
+        return viewOf(lines, lines->line_begin.data(),
+                      {static_cast<py::ssize_t>(lines->line_begin.size())}, false);
+      },
+      "First vertex of each line, then the number of vertices, (len + 1,) uint32, read-only.");
   defineColumn(lines_type, "closed", &L::closed, "1 of closed lines, (len,) uint8.");
   defineColumn(lines_type, "length", &L::length, "Length of each line, (len,) float64.");
   defineColumn(lines_type, "strength", &L::strength,

@@ -26,7 +26,7 @@ border. min_component: components of fewer points are left out. relax: rounds th
 even. sharp: a second Surface of the same points, fitted with sharp=True, whose edges the mesh gets.)doc";
 
 constexpr const char* kMeshClassDoc =
-    R"doc(Triangles over shared vertices, without non-manifold edges; its columns are read-only arrays.
+    R"doc(Triangles over shared vertices, without non-manifold edges. Its columns are views, not copies.
 
 vertices (v, 3) float64 in the coordinates of the points, triangles (t, 3) int32, counter-clockwise seen
 from outside, normals (v, 3) float32, k1 and k2 (v,) float32 [1/length], colors (v, 3) uint8 or None.)doc";
@@ -36,8 +36,10 @@ std::string describe(const Mesh& mesh) {
   return "<pcl_slim.Mesh: " + std::to_string(c.vertices) + " vertices, " +
          std::to_string(c.triangles) + " triangles, " + std::to_string(c.components) +
          (c.components == 1 ? " component, " : " components, ") +
-         (c.border_edges == 0 ? std::string("closed")
-                              : std::to_string(mesh.statistics.border_loops) + " border loops") +
+         (c.border_edges == 0
+              ? std::string("closed")
+              : std::to_string(mesh.statistics.border_loops) +
+                    (mesh.statistics.border_loops == 1 ? " border loop" : " border loops")) +
          (mesh.triangles.colors.empty() ? ">" : ", coloured>");
 }
 

@@ -211,10 +211,10 @@ void bindCamera(py::module_& m) {
       .def(py::init(&makeCamera), py::arg("position"), py::arg("look_at"),
            py::arg("up") = py::make_tuple(0, 0, 1), py::kw_only(), py::arg("fov") = 30.0,
            py::arg("view_height") = py::none())
-      .def_readonly("position", &Camera::position)
-      .def_readonly("look_at", &Camera::look_at)
-      .def_readonly("up", &Camera::up)
-      .def_readonly("fov", &Camera::fov)
+      .def_readonly("position", &Camera::position, "Place of the camera.")
+      .def_readonly("look_at", &Camera::look_at, "The place in the middle of the picture.")
+      .def_readonly("up", &Camera::up, "The direction that points upwards in the picture.")
+      .def_readonly("fov", &Camera::fov, "Vertical opening [degrees].")
       .def("__repr__", &describe);
 }
 

@@ -153,5 +153,12 @@ def test_arrays_outlive_what_they_are_of():
     del got
     again = vertices()
     np.testing.assert_array_equal(again, kept)
+    mesh = pcl_slim.fit(POINTS).mesh(tolerance=0.01)
+    mesh.vertices[:] = 7  # views, as other packages want them
+    mesh.triangles[0] = 1 << 30
+    assert np.all(mesh.vertices == 7)
     with pytest.raises(ValueError):
-        again[0] = 0  # read-only
+        mesh.render()
+    lines = pcl_slim.lines(POINTS)
+    with pytest.raises(ValueError):
+        lines.offsets[0] = 7  # which would be used as an index
