@@ -7,7 +7,7 @@ from vase import vase
 
 points, colors = vase()
 of_points = pcl_slim.splats(points, colors, max_splats=6000)
-even = pcl_slim.fit(points, colors=colors).sample(number=len(points))
+even = pcl_slim.fit(points, colors=colors).sample(spacing=0.002)
 splats = pcl_slim.splats(even.positions, even.colors, even.normals, max_splats=6000)
 print(of_points)
 print(splats)

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
-#include <regex>
 #include <type_traits>
 #include <variant>
 
@@ -205,8 +204,12 @@ void Keywords::finish() const {
 }
 
 std::string withoutDashes(std::string sentence) {
-  static const std::regex option("(^|[ (])-([a-z_]+)");
-  return std::regex_replace(sentence, option, "$1$2");
+  for (std::size_t i = 0; i + 1 < sentence.size(); ++i) {
+    const bool begins = i == 0 || sentence[i - 1] == ' ' || sentence[i - 1] == '(';
+    const bool letter = sentence[i + 1] >= 'a' && sentence[i + 1] <= 'z';
+    if (sentence[i] == '-' && begins && letter) sentence.erase(i, 1);
+  }
+  return sentence;
 }
 
 }  // namespace pcl_slim::python

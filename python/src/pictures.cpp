@@ -12,6 +12,7 @@
 #include "mesh.h"
 #include "options.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/render/mesh_renderer.h"
 #include "pcl_slim/render/picture_lines.h"
@@ -155,6 +156,15 @@ Error drawSpaceLines(SurfaceRenderer& renderer, const Request& request, const Ch
   return drawLines(*seen, {}, image);
 }
 
+/** What cameras look at must be finite; Python may have written into the columns. */
+Error checkTriangles(const TriangleMesh& mesh) {
+  if (Error error = mesh.validate()) return error;
+  for (const Vector3& vertex : mesh.vertices) {
+    if (!isFinite(vertex)) return badInput("a vertex of the mesh is not finite: leave it out");
+  }
+  return {};
+}
+
 /** \brief Draws on the work's thread. \param[in] draw Result<Image>(Work&) */
 template <typename Draw>
 py::array drawn(std::shared_ptr<void> state, const Draw& draw) {
@@ -218,7 +228,8 @@ py::array renderTriangles(const MeshPointer& mesh, const py::object& camera, con
   if (request->picture.isTraced())
     raiseValue("a mesh has no mode raytraced: render its surface, or name another mode");
   const ShadingParams shading = request->picture.shadingFor(!mesh->triangles.colors.empty());
-  return drawn(mesh, [mesh = mesh.get(), request, shading](Work&) {
+  return drawn(mesh, [mesh = mesh.get(), request, shading](Work&) -> Result<Image> {
+    if (Error error = checkTriangles(mesh->triangles)) return error;
     const ChosenView view =
         request->view.viewOf(spheresOf(mesh->triangles.vertices, mesh->triangles.triangles),
                              request->picture.barShare(shading, request->view.size));
@@ -236,7 +247,8 @@ py::array renderSplats(const SplatsPointer& splats, const py::object& camera,
   Keywords keywords("render", withCamera(given, camera, mode, size));
   const auto request = std::make_shared<const Request>(readPicture(keywords, false));
   const ShadingParams shading = request->picture.shadingFor(splats->set.hasColors());
-  return drawn(splats, [splats = splats.get(), request, shading](Work& work) {
+  return drawn(splats, [splats = splats.get(), request, shading](Work& work) -> Result<Image> {
+    if (Error error = validateDiscs(splats->set)) return error;
     const ChosenView view = request->view.viewOf(
         spheresOf(splats->set), request->picture.barShare(shading, request->view.size));
     return request->picture.isTraced()
@@ -265,12 +277,14 @@ py::object splatsPage(const SplatsPointer& splats, const py::object& path,
   Keywords keywords("to_html", given);
   const auto request = std::make_shared<Request>(readPage(keywords, path, false));
   const ShadingParams shading = request->picture.shadingFor(splats->set.hasColors());
-  return written(splats, request->path, [splats = splats.get(), request, shading] {
-    const ChosenView view = request->view.viewOf(spheresOf(splats->set), 0);
-    request->page.up = view.up;
-    return encodePage(splats->set, view.camera, discsOf(request->picture, view.opens), shading,
-                      request->page);
-  });
+  return written(splats, request->path,
+                 [splats = splats.get(), request, shading]() -> Result<std::string> {
+                   if (Error error = validateDiscs(splats->set)) return error;
+                   const ChosenView view = request->view.viewOf(spheresOf(splats->set), 0);
+                   request->page.up = view.up;
+                   return encodePage(splats->set, view.camera,
+                                     discsOf(request->picture, view.opens), shading, request->page);
+                 });
 }
 
 constexpr const char* kSavePictureDoc = R"doc(save_picture(path, picture)

@@ -10,7 +10,7 @@ import pytest
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "examples")
 PRINTED = {"01_fit.py": r"\d+ leaves of degree 4", "02_smooth.py": r"moved 0\.0010 RMS", "03_compare.py": r"^\d{3} of 80000 points",
-           "04_lines.py": r"\d+ ridges and \d+ ravines", "05_mesh.py": r"1 border loop, coloured", "06_splats.py": r"discs of 80000",
+           "04_lines.py": r"\d+ ridges and \d+ ravines", "05_mesh.py": r"1 border loop, coloured", "06_splats.py": r"discs of \d+ points, coloured",
            "07_register.py": r"within 0\.0000", "08_page.py": r"vase\.html \d+ bytes"}
 
 

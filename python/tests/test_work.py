@@ -159,6 +159,17 @@ def test_arrays_outlive_what_they_are_of():
     assert np.all(mesh.vertices == 7)
     with pytest.raises(ValueError):
         mesh.render()
+    mesh.triangles[0] = 1
+    mesh.vertices[0] = np.nan
+    with pytest.raises(ValueError):
+        mesh.render()
+    splats = pcl_slim.splats(POINTS, max_splats=500)
+    splats.radius[0] = np.nan
+    for draw in (splats.render, splats.to_html):
+        with pytest.raises(ValueError):
+            draw()
     lines = pcl_slim.lines(POINTS)
+    lines.positions[0] = np.nan
+    pcl_slim.fit(POINTS).render(size=(60, 40), lines=lines)
     with pytest.raises(ValueError):
         lines.offsets[0] = 7  # which would be used as an index
