@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -21,6 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLook = 50ms;       ///< between two looks for signals
 constexpr auto kPatience = 500ms;  ///< how long a caller waits for cancelled work to end
+constexpr int kInterrupted = 130;  ///< exit status of a process that Ctrl-C ended
 std::atomic<bool> forked{false};   ///< this process is a child of one that may have used threads
 PyObject* no_surface_error = nullptr;
 
@@ -114,11 +116,16 @@ void dropEnded() {
              jobs.end());
 }
 
-/** At the end of the interpreter, which would pull the memory away under running work. */
+/** At the end of the interpreter, which would pull the memory away under running work. Ctrl-C ends
+ * the process immediately. */
 void awaitAll() {
   for (const auto& job : leftBehind()) {
-    const py::gil_scoped_release release;
-    while (!job->waitFor(1s)) {
+    for (bool ended = false; !ended;) {
+      {
+        const py::gil_scoped_release release;
+        ended = job->waitFor(kLook);
+      }
+      if (PyErr_CheckSignals() != 0) std::_Exit(kInterrupted);
     }
   }
   leftBehind().clear();
