@@ -4,7 +4,7 @@
 # are there; without root rights it names the command to run and exits 1.
 #   scripts/setup.sh        what the README's commands need
 #   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
-#   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in
+#   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in, and tools of Python wheels
 set -euo pipefail
 
 packages=(
@@ -13,7 +13,8 @@ packages=(
 )
 case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev) ;; esac
 if [ "${1-}" = nightly ]; then
-  packages+=(chromium)
+  packages+=(chromium pybind11-dev python3-dev python3-numpy python3-pytest)
+  packages+=(python3-skbuild python3-build python3-wheel python3-venv)
   command -v node >/dev/null || packages+=(nodejs)
 fi
 # Benchmarks, ROS's own check of package.xml in the tests, the X server that windows are tested on, and the Python

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds a wheel of the Python package, without a network, installs it in a fresh virtual environment and runs the first
-# example of docs/python.md there.
+# example of docs/python.md and tests there.
 #   scripts/wheel.sh [OUT]     OUT: a folder for the wheel (wheel_out)
 # The modules are those of build/release, if they are built; else they are compiled, which takes some minutes. Needs
 # (Debian 12): pybind11-dev python3-dev python3-numpy python3-skbuild python3-build python3-wheel python3-venv
@@ -37,8 +37,10 @@ cp "$root/modules/core/include/pcl_slim/version.h" "$work/source/modules/core/in
   "$root/visualization" "$root/tests" "$root/LICENSE" "$work/source"
 quietly "Building the wheel" "$work/build.log" \
   env CMAKE_BUILD_PARALLEL_LEVEL="${JOBS:-$(nproc)}" "$python" -m build --no-isolation --skip-dependency-check --wheel \
-  --outdir "$out" "$work/source/python"
-wheel=$(ls -t "$out"/pcl_slim-*.whl | head -n 1)
+  --outdir "$work/dist" "$work/source/python"
+made=("$work"/dist/pcl_slim-*.whl)
+wheel=$out/$(basename -- "${made[0]}")
+cp -- "${made[0]}" "$wheel"
 
 quietly "Making an environment" "$work/venv.log" "$python" -m venv --system-site-packages "$work/venv"
 quietly "Installing the wheel" "$work/pip.log" \
@@ -49,5 +51,9 @@ import re, sys
 print(re.search(r"```python\n(.*?)```", open(sys.argv[1], encoding="utf-8").read(), re.S)[1])
 END
 quietly "Running the first example" "$work/example.log" env -u PYTHONPATH "$work/venv/bin/python" "$work/example.py"
+if "$work/venv/bin/python" -c "import pytest" 2>/dev/null; then
+  quietly "Testing it" "$work/test.log" env -u PYTHONPATH -u PCL_SLIM_BIN PYTHONDONTWRITEBYTECODE=1 \
+    "$work/venv/bin/python" -m pytest -q -p no:cacheprovider "$root"/python/tests/test_{truth,package,programs}.py
+fi
 "$work/venv/bin/python" -c "import pcl_slim; print(pcl_slim.__file__)" | grep -q "^$work/venv/"
 printf '\nWheel     %s   (%s bytes)\n' "$wheel" "$(stat -c %s "$wheel")"

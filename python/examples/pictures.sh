@@ -14,7 +14,7 @@ python=/usr/bin/python3
 "$python" "$here/04_lines.py" "$work/lines.png"
 "$python" "$here/05_mesh.py" "$work/mesh.png" "$work/vase.obj"
 "$python" "$here/06_splats.py" "$work/splats.png"
-small=(-define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time)
+small=(-define png:color-type=2 -define png:compression-level=9 -define "png:exclude-chunks=date,time")
 convert "$work/fit.png" "${small[@]}" "$out/python_fit.png"
 montage "$work/compare.png" "$work/lines.png" "$work/mesh.png" "$work/splats.png" -tile 4x -geometry +0+0 \
   "${small[@]}" "$out/python_more.png"
