@@ -8,6 +8,8 @@ option(PCL_SLIM_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_BUILD_EXAMPLES "Build the examples" OFF)
 option(PCL_SLIM_BUILD_BENCHMARKS "Build the benchmarks (needs nanoflann)" OFF)
 option(PCL_SLIM_BUILD_MPI "Build pcl_slim_fit_mpi where MPI is found" ON)
+option(PCL_SLIM_BUILD_PYTHON "Build the Python package where pybind11 and Python's headers are found"
+  ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_WITH_PNG "Read and write .png pictures (needs libpng)" ON)
 option(PCL_SLIM_WITH_VTP "Read and write .vtp (needs VTK's IOXML)" ON)
 option(PCL_SLIM_WITH_LAZ "Read .laz where LASzip's library is found" ON)
@@ -44,6 +46,12 @@ if(BUILD_SHARED_LIBS)
       set(PCL_SLIM_BUILD_${part} OFF)
     endif()
   endforeach()
+endif()
+
+# An interpreter without sanitizers cannot load what is built with them.
+if(PCL_SLIM_SANITIZE AND PCL_SLIM_BUILD_PYTHON)
+  message(STATUS "PCL_SLIM_BUILD_PYTHON is off: sanitizers are on")
+  set(PCL_SLIM_BUILD_PYTHON OFF)
 endif()
 
 if(PROJECT_IS_TOP_LEVEL)

@@ -4,6 +4,7 @@
 # (benchmarks/README.md names them), OUT docs/images if not given. Stages:
 #   tutorial scans pages figures levels meshes smoothing splats beside qsplat paper     by default, fifteen minutes on two
 #                       cores: windows four, QSplat three, meshes and levels of detail one each
+#   python              those of docs/python.md, by the examples of python/
 #   web                 photographs of a browser; needs node and Chromium
 #   tiles               a statue of 10 and of 100 million points; ten minutes, 2 GB on the disk
 #   pareto              the chart of SLIM beside MLS: an hour
@@ -62,6 +63,10 @@ for stage in "${stages[@]}"; do
         "$out/paper_fig07.png"
       ;;
     web) part web "$here/render/web_pictures.sh" "$bin" "$data" "$out" ;;
+    python)
+      build _pcl_slim
+      part python "$root/python/examples/pictures.sh" "$root/build/release/python" "$out"
+      ;;
     tiles) part tiles "$here/render/tile_pictures.sh" "$bin" "$data" "$out" ;;
     pareto)
       BIN_DIR=$bin part pareto "$here/tables/comparison.sh" "$data" "$work/comparison" timed

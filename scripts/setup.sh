@@ -4,7 +4,7 @@
 # are there; without root rights it names the command to run and exits 1.
 #   scripts/setup.sh        what the README's commands need
 #   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
-#   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in
+#   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in, and tools of Python wheels
 set -euo pipefail
 
 packages=(
@@ -13,12 +13,14 @@ packages=(
 )
 case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev) ;; esac
 if [ "${1-}" = nightly ]; then
-  packages+=(chromium)
+  packages+=(chromium pybind11-dev python3-dev python3-numpy python3-pytest)
+  packages+=(python3-skbuild python3-build python3-wheel python3-venv)
   command -v node >/dev/null || packages+=(nodejs)
 fi
-# Benchmarks, ROS's own check of package.xml in the tests, and the X server that windows are tested
-# on: nothing fails without them.
+# Benchmarks, ROS's own check of package.xml in the tests, the X server that windows are tested on, and the Python
+# package: nothing fails without them.
 optional=(libnanoflann-dev python3-catkin-pkg xvfb xauth libgl1-mesa-dri)
+optional+=(pybind11-dev python3-dev python3-numpy python3-pytest)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This is not Debian or Ubuntu: install what these packages hold, then run cmake by hand:" >&2

@@ -19,11 +19,13 @@ marked so, must be among those that the page's commands printed. Marks are comme
   <!-- test: data SCAN as FILE -->       FILE is a scan of DATA_DIR; without it commands that need it are skipped
   <!-- test: demo FILE -->               FILE is made from the demo's scan again
   <!-- test: needs PROGRAM -->           the block, or the next hidden commands, are skipped where PROGRAM is not built
+  <!-- test: needs module NAME -->       the Python block is skipped where there is no module of this name
   <!-- test: run COMMANDS -->            commands that the page does not show, each on a line
   <!-- test: slow run COMMANDS -->
   <!-- test: lines of FILE -->           each line of the block is one of FILE
   <!-- test: counts -->                  checks the counts of the next paragraph
   <!-- test: with DECLARATIONS -->       what a C++ block uses and its reader has (READER is always there)
+Blocks ```python run in order as one program, with the package beside BIN_DIR and the modules of python/examples.
 A block ```text is neither.
 """
 import argparse
@@ -199,7 +201,8 @@ class Page:
         self.counts = set()  # what all commands printed
         self.shown = []      # (line, text) whose counts are checked
         self.code = []       # (line, declarations, C++)
-        self.done = {"commands": 0, "outputs": 0, "counts": 0, "CMake blocks": 0, "C++ blocks": 0}
+        self.python = []     # (line, Python)
+        self.done = {"commands": 0, "outputs": 0, "counts": 0, "CMake blocks": 0, "C++ blocks": 0, "Python blocks": 0}
         root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
         self.root = root
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -461,6 +464,36 @@ class Page:
         if status:
             self.defect(self.code[0][0], "C++ blocks do not compile\n    " + "\n    ".join(lines[:12]))
 
+    def interpret(self):
+        """All Python blocks as one program, in the folder of the page."""
+        if not self.python:
+            return
+        package = os.path.join(os.path.dirname(os.path.abspath(self.options.bin)), "python")
+        if not os.path.exists(os.path.join(package, "pcl_slim")):
+            self.skip(self.python[0][0], "Python blocks", "the package is not built")
+            return
+        for _, content in self.python:
+            for name in re.findall(r'"([\w.]+\.las)"', content):
+                self.stand_in(name)
+        # Each block has the lines of the page, for messages.
+        text = "".join("exec(compile(%r, %r, 'exec'))\n" % ("\n" * line + content, self.path) for line, content in self.python)
+        with open(os.path.join(self.folder, "page.py"), "w", encoding="utf-8") as file:
+            file.write(text)
+        path = os.pathsep.join([package, os.path.join(self.root, "python", "examples")])
+        status, lines = self.shell("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='%s' '%s' page.py" % (path, self.interpreter()))
+        self.done["Python blocks"] += len(self.python)
+        self.counts |= counts_in("\n".join(lines), False)
+        if status:
+            self.defect(self.python[0][0], "Python blocks fail\n    " + "\n    ".join(lines[-8:]))
+
+    @staticmethod
+    def interpreter():
+        """The distribution's own, which the package is built for."""
+        return "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else sys.executable
+
+    def has_module(self, name):
+        return self.shell("'%s' -c 'import %s'" % (self.interpreter(), name))[0] == 0
+
     def test(self):
         with open(self.path, encoding="utf-8") as file:
             text = file.read()
@@ -494,6 +527,12 @@ class Page:
                 pass
             elif any(word == "skip" for word, _ in marks):
                 self.skip(line, content, dict(marks)["skip"])
+            elif kind == "python":
+                module = dict(marks).get("needs", "").rpartition("module ")[2]
+                if module and not self.has_module(module):
+                    self.skip(line, content, "there is no module " + module)
+                else:
+                    self.python.append((line, content))
             elif not self.built(marks):
                 self.skip(line, content, dict(marks)["needs"] + " is not built")
             elif any(word == "slow" for word, _ in marks) and not self.options.slow:
@@ -509,6 +548,7 @@ class Page:
             else:
                 self.defect(line, "unknown language %s" % kind)
             marks = []
+        self.interpret()
         for line, content in self.shown:
             self.check_counts(line, content)
         self.compile()
