@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE
+"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE ROSDEP_RULES
 
 Uses catkin_pkg, the parser behind colcon and rosdep, where it is installed, and in any case checks
 what a plain CMake package needs. Exit 0 when all is well; otherwise 1 and one line per defect.
@@ -14,6 +14,10 @@ DEPENDENCY_TAGS = {
     "depend", "build_depend", "build_export_depend", "buildtool_depend", "buildtool_export_depend",
     "exec_depend", "test_depend", "doc_depend",
 }
+# Keys of rosdep's own list; any other needs a rule in packaging/rosdep.
+ROSDEP_KEYS = {
+    "cmake", "eigen", "libgtest-dev", "libpcl-all-dev", "libpng-dev", "nlohmann-json-dev", "tbb", "zlib",
+} | {"libpcl-" + part for part in ("common", "features", "filters", "io", "search", "surface", "visualization")}
 OTHER_TAGS = {
     "name", "version", "description", "maintainer", "license", "url", "author", "conflict",
     "replace", "group_depend", "member_of_group", "export",
@@ -26,7 +30,7 @@ def text(root, tag):
     return (found[0].text or "").strip() if len(found) == 1 else ""
 
 
-def check_by_hand(path, cmake_version):
+def check_by_hand(path, cmake_version, keys):
     """Defects against REP 149 (format 3) that need no ROS tool to find."""
     try:
         root = ElementTree.parse(path).getroot()
@@ -46,6 +50,7 @@ def check_by_hand(path, cmake_version):
     require(len(root.findall("description")) == 1, "needs one <description>")
     require(root.findall("license"), "needs a <license>")
     require(root.findall("maintainer"), "needs a <maintainer>")
+    require(re.fullmatch(r"https?://\S+", text(root, "url")), "needs one <url>")
     for person in root.findall("maintainer"):
         require(re.fullmatch(r"[^@\s]+@[^@\s]+\.[^@\s]+", person.get("email") or ""),
                 "a <maintainer> has no valid email")
@@ -54,6 +59,8 @@ def check_by_hand(path, cmake_version):
         if child.tag in DEPENDENCY_TAGS:
             require(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+.-]*", (child.text or "").strip()),
                     f"<{child.tag}> names no package")
+            require((child.text or "").strip() in keys,
+                    f"rosdep knows no {(child.text or '').strip()}: add a rule to packaging/rosdep")
     tools = [(child.text or "").strip() for child in root.findall("buildtool_depend")]
     require(tools == ["cmake"], f"a plain CMake package needs cmake alone to build, not {tools}")
     require([t.text for t in root.findall("export/build_type")] == ["cmake"],
@@ -81,8 +88,10 @@ def check_with_catkin(path):
 
 def main():
     """Runs both checks and reports."""
-    path, cmake_version, license_path = sys.argv[1:4]
-    defects = check_by_hand(path, cmake_version)
+    path, cmake_version, license_path, rules = sys.argv[1:5]
+    with open(rules, encoding="utf-8") as file:
+        keys = ROSDEP_KEYS | set(re.findall(r"^([a-z][\w.+-]*):", file.read(), re.MULTILINE))
+    defects = check_by_hand(path, cmake_version, keys)
     if not os.path.isfile(license_path):
         defects.append(f"{license_path}: the licence that package.xml names is not there")
     from_catkin = check_with_catkin(path)
