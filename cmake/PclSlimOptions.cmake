@@ -36,8 +36,13 @@ if(NOT PCL_SLIM_BUILD_FILTERS)
   endforeach()
 endif()
 
-# CTest's own option, which packagers give to every project.
-if(DEFINED BUILD_TESTING AND NOT BUILD_TESTING)
+# CTest's own option, which packagers give to every project. It is declared here, as CGAL's package, for benchmarks, declares
+# it off.
+if(PROJECT_IS_TOP_LEVEL)
+  option(BUILD_TESTING "Build the tests" ON)
+endif()
+if(PCL_SLIM_BUILD_TESTS AND DEFINED BUILD_TESTING AND NOT BUILD_TESTING)
+  message(STATUS "PCL_SLIM_BUILD_TESTS is off: BUILD_TESTING is")
   set(PCL_SLIM_BUILD_TESTS OFF)
 endif()
 
