@@ -38,14 +38,20 @@ if(NOT PCL_SLIM_BUILD_FILTERS)
   endforeach()
 endif()
 
-# Shared libraries hide what tests and benchmarks of single kernels call.
-if(BUILD_SHARED_LIBS)
-  foreach(part TESTS BENCHMARKS)
-    if(PCL_SLIM_BUILD_${part})
-      message(STATUS "PCL_SLIM_BUILD_${part} is off: it needs static libraries")
-      set(PCL_SLIM_BUILD_${part} OFF)
-    endif()
-  endforeach()
+# CTest's own option, which packagers give to every project. It is declared here, as CGAL's package, for benchmarks, declares
+# it off.
+if(PROJECT_IS_TOP_LEVEL)
+  option(BUILD_TESTING "Build the tests" ON)
+endif()
+if(PCL_SLIM_BUILD_TESTS AND DEFINED BUILD_TESTING AND NOT BUILD_TESTING)
+  message(STATUS "PCL_SLIM_BUILD_TESTS is off: BUILD_TESTING is")
+  set(PCL_SLIM_BUILD_TESTS OFF)
+endif()
+
+# Shared libraries hide what benchmarks of single kernels call. Tests link cmake/PclSlimStaticCopies.cmake's copies there.
+if(BUILD_SHARED_LIBS AND PCL_SLIM_BUILD_BENCHMARKS)
+  message(STATUS "PCL_SLIM_BUILD_BENCHMARKS is off: it needs static libraries")
+  set(PCL_SLIM_BUILD_BENCHMARKS OFF)
 endif()
 
 # An interpreter without sanitizers cannot load what is built with them.

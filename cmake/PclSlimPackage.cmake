@@ -3,17 +3,18 @@
 # once all libraries are known.
 include(CMakePackageConfigHelpers)
 
-# pcl_slim_write_pkg_config(file description requires libraries others flags)
+# pcl_slim_write_pkg_config(file description requires libraries public others flags)
 #
-# Lists are written as they are linked. A static library names what it uses among its own libraries.
-function(pcl_slim_write_pkg_config file description requires libraries others flags)
+# Lists are written as they are linked: our libraries, those that inline functions of our headers call, and those that ours
+# call, which static ones name among their own libraries.
+function(pcl_slim_write_pkg_config file description requires libraries public others flags)
   list(TRANSFORM libraries PREPEND -lpcl_slim_)
-  list(JOIN libraries " " libraries)
-  list(JOIN others " " others)
-  set(private "")
-  if(NOT BUILD_SHARED_LIBS)
-    set(private " ${others}")
+  if(BUILD_SHARED_LIBS)
+    set(others "")
   endif()
+  list(PREPEND others ${libraries})
+  list(APPEND others ${public})
+  list(JOIN others " " others)
   file(RELATIVE_PATH to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/${file}.pc CONTENT
 "prefix=\${pcfiledir}/${to_prefix}
@@ -24,7 +25,7 @@ Name: ${file}
 Description: ${description}
 Version: ${PROJECT_VERSION}
 Requires: ${requires}
-Libs: -L\${libdir} ${libraries}${private}
+Libs: -L\${libdir} ${others}
 Cflags: -I\${includedir} ${flags}
 ")
   install(FILES ${PROJECT_BINARY_DIR}/${file}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
@@ -42,7 +43,7 @@ function(pcl_slim_install_pkg_config components)
   if(PCL_SLIM_WITH_PNG)
     list(APPEND others -lpng)
   endif()
-  pcl_slim_write_pkg_config(pcl_slim "${PROJECT_DESCRIPTION}" "" "${modules}" "${others}" "")
+  pcl_slim_write_pkg_config(pcl_slim "${PROJECT_DESCRIPTION}" "" "${modules}" "" "${others}" "")
   if(TARGET pcl_slim_lib_filters)
     set(others "")
     string(REPLACE " " ";" vtk "${PCL_SLIM_VTK_COMPONENTS}")
@@ -52,11 +53,8 @@ function(pcl_slim_install_pkg_config components)
     foreach(component IN LISTS vtk)
       list(APPEND others $<TARGET_FILE:VTK::${component}>)
     endforeach()
-    set(pcl "")
-    foreach(component IN ITEMS common kdtree octree search filters features io)
-      string(APPEND pcl " -lpcl_${component}")
-    endforeach()
-    list(APPEND others ${pcl})
+    set(pcl common kdtree octree search filters features io)
+    list(TRANSFORM pcl PREPEND -lpcl_)
     if(PCL_SLIM_WITH_LZ4)
       list(APPEND others -llz4)
     endif()
@@ -68,7 +66,7 @@ function(pcl_slim_install_pkg_config components)
     list(TRANSFORM flags PREPEND -I)
     list(JOIN flags " " flags)
     pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim "filters;normals;table;io"
-      "${others}" "${flags}")
+      "${pcl}" "${others}" "${flags}")
   endif()
 endfunction()
 
@@ -102,9 +100,11 @@ function(pcl_slim_install_package)
   install(FILES ${PROJECT_SOURCE_DIR}/package.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_slim COMPONENT development)
   pcl_slim_install_pkg_config("${components}")
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
-    ${PROJECT_SOURCE_DIR}/modules/render/src/text/LICENSE.dejavu
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)
+  # The licences are wherever libraries are, the pages (19 MB of pictures) only where they are wanted.
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/modules/render/src/text/LICENSE.dejavu
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+  install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 endfunction()

@@ -90,6 +90,9 @@ function(pcl_slim_add_library name)
       OUTPUT_NAME pcl_slim_${name} DEFINE_SYMBOL ""
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
       INSTALL_RPATH $ORIGIN)
+    if(BUILD_SHARED_LIBS)
+      pcl_slim_set_exports(${target})
+    endif()
   else()
     add_library(${target} INTERFACE)
     target_include_directories(${target} INTERFACE ${includes})
@@ -103,12 +106,24 @@ function(pcl_slim_add_library name)
   endif()
 endfunction()
 
-# Each component has an export set of its own, so that finding one never looks for another's needs.
+# pcl_slim_set_exports(target): names of pcl_slim are all that a shared library exports.
+function(pcl_slim_set_exports target)
+  if(UNIX AND NOT APPLE)
+    set(map ${PROJECT_BINARY_DIR}/exports.map)
+    configure_file(${PROJECT_SOURCE_DIR}/cmake/exports.map.in ${map} @ONLY)
+    target_link_options(${target} PRIVATE LINKER:--version-script=${map})
+    set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${map})
+    pcl_slim_drop_unused_libraries(${target})
+  endif()
+endfunction()
+
+# Each component of the package has an export set of its own, so that finding one never looks for another's needs. Install
+# components are runtime (shared libraries), development, programs and documentation.
 function(pcl_slim_install_library name)
   install(TARGETS pcl_slim_lib_${name} EXPORT pcl_slim_${name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
-    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
     FILES_MATCHING PATTERN *.h PATTERN *.hpp PATTERN detail EXCLUDE)
   install(EXPORT pcl_slim_${name} NAMESPACE pcl_slim:: FILE pcl_slim_${name}-targets.cmake

@@ -26,7 +26,7 @@ debian_mirror() {
 make_debian() {
   local release=$1 dir=$2 mirror log script=/usr/share/debootstrap/scripts/$1
   if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
-    echo "A minimal Debian is made by root with debootstrap: scripts/setup.sh nightly installs it" >&2
+    echo "A minimal Debian is made by root with debootstrap: scripts/setup.sh packages installs it" >&2
     return 1
   fi
   if [ -e "$dir" ] && [ -n "$(ls -A -- "$dir")" ]; then

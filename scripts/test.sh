@@ -8,7 +8,7 @@ set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 bash "$root/scripts/setup.sh"
-configure -DPCL_SLIM_BUILD_TESTS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON "$@"
+configure -DBUILD_TESTING=ON -DPCL_SLIM_BUILD_TESTS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON "$@"
 build
 
 log=$root/build/log/test.log

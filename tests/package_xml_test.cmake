@@ -9,6 +9,7 @@ foreach(query_and_answer
     "string(/package/@format)=3" "string(/package/name)=pcl_slim"
     "string(/package/version)=${VERSION}" "count(/package/license)=1"
     "string(/package/buildtool_depend)=cmake" "string(/package/export/build_type)=cmake"
+    "starts-with(/package/url, 'http')=true"
     "string(contains(/package/maintainer/@email, '@'))=true")
   string(REGEX MATCH "^(.*\\))=([^=]*)$" matched "${query_and_answer}")
   set(query "${CMAKE_MATCH_1}")

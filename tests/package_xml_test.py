@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE [BUILD_TYPE]
+"""Checks package.xml as ROS tools would: package_xml_test.py PACKAGE_XML CMAKE_VERSION LICENSE ROSDEP_RULES [BUILD_TYPE]
 
 Uses catkin_pkg, the parser behind colcon and rosdep, where it is installed, and in any case checks
 what a plain CMake package needs. Exit 0 when all is well; otherwise 1 and one line per defect.
@@ -14,6 +14,14 @@ DEPENDENCY_TAGS = {
     "depend", "build_depend", "build_export_depend", "buildtool_depend", "buildtool_export_depend",
     "exec_depend", "test_depend", "doc_depend",
 }
+# Keys of rosdep's own list; any other needs a rule in packaging/rosdep.
+ROSDEP_KEYS = {
+    "cmake", "eigen", "libgtest-dev", "libpcl-all-dev", "libpng-dev", "nlohmann-json-dev", "tbb", "zlib",
+} | {"libpcl-" + part for part in ("common", "features", "filters", "io", "search", "surface", "visualization")}
+ROSDEP_KEYS |= {  # packages of ROS 2, and ours
+    "ament_cmake", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs", "pcl_slim", "rcl_interfaces", "rclcpp",
+    "rclcpp_components", "rclcpp_lifecycle", "sensor_msgs",
+}
 OTHER_TAGS = {
     "name", "version", "description", "maintainer", "license", "url", "author", "conflict",
     "replace", "group_depend", "member_of_group", "export",
@@ -26,7 +34,7 @@ def text(root, tag):
     return (found[0].text or "").strip() if len(found) == 1 else ""
 
 
-def check_by_hand(path, cmake_version, build_type):
+def check_by_hand(path, cmake_version, keys, build_type):
     """Defects against REP 149 (format 3) that need no ROS tool to find."""
     try:
         root = ElementTree.parse(path).getroot()
@@ -46,6 +54,7 @@ def check_by_hand(path, cmake_version, build_type):
     require(len(root.findall("description")) == 1, "needs one <description>")
     require(root.findall("license"), "needs a <license>")
     require(root.findall("maintainer"), "needs a <maintainer>")
+    require(re.fullmatch(r"https?://\S+", text(root, "url")), "needs one <url>")
     for person in root.findall("maintainer"):
         require(re.fullmatch(r"[^@\s]+@[^@\s]+\.[^@\s]+", person.get("email") or ""),
                 "a <maintainer> has no valid email")
@@ -54,6 +63,8 @@ def check_by_hand(path, cmake_version, build_type):
         if child.tag in DEPENDENCY_TAGS:
             require(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+.-]*", (child.text or "").strip()),
                     f"<{child.tag}> names no package")
+            require((child.text or "").strip() in keys,
+                    f"rosdep knows no {(child.text or '').strip()}: add a rule to packaging/rosdep")
     tools = [(child.text or "").strip() for child in root.findall("buildtool_depend")]
     require(tools == [build_type], f"a package of {build_type} needs that alone to build, not {tools}")
     require([t.text for t in root.findall("export/build_type")] == [build_type],
@@ -81,9 +92,11 @@ def check_with_catkin(path, build_type):
 
 def main():
     """Runs both checks and reports."""
-    path, cmake_version, license_path = sys.argv[1:4]
-    build_type = sys.argv[4] if len(sys.argv) > 4 else "cmake"
-    defects = check_by_hand(path, cmake_version, build_type)
+    path, cmake_version, license_path, rules = sys.argv[1:5]
+    with open(rules, encoding="utf-8") as file:
+        keys = ROSDEP_KEYS | set(re.findall(r"^([a-z][\w.+-]*):", file.read(), re.MULTILINE))
+    build_type = sys.argv[5] if len(sys.argv) > 5 else "cmake"
+    defects = check_by_hand(path, cmake_version, keys, build_type)
     if not os.path.isfile(license_path):
         defects.append(f"{license_path}: the licence that package.xml names is not there")
     from_catkin = check_with_catkin(path, build_type)

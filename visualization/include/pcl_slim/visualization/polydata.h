@@ -3,6 +3,7 @@
 
 #include <vtkSmartPointer.h>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -17,9 +18,10 @@ namespace pcl_slim {
  * .vtp file; lengths in world units. Coordinates are the world's, in double. O(surfels).
  * \param[in] leaves_only leaves out the internal surfels of the hierarchy.
  */
-vtkSmartPointer<vtkPolyData> toPolyData(const SLIMSurface& surface, bool leaves_only = false);
+PCL_SLIM_EXPORT vtkSmartPointer<vtkPolyData> toPolyData(const SLIMSurface& surface,
+                                                        bool leaves_only = false);
 
 /** \brief Splats likewise: "Normals", "RGB" (the scalars), radius, confidence and curvature. */
-vtkSmartPointer<vtkPolyData> toPolyData(const SplatSet& splats);
+PCL_SLIM_EXPORT vtkSmartPointer<vtkPolyData> toPolyData(const SplatSet& splats);
 
 }  // namespace pcl_slim

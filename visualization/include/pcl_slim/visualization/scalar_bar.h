@@ -25,8 +25,8 @@ PCL_SLIM_EXPORT std::string unitOf(DisplayMode mode, const std::string& length);
 /** \brief A scalar bar of a mapper's colours at the right of the window, with title, unit and round
  * numbers. It follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
  * nothing. */
-vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper,
-                                                 const std::string& unit = "");
+PCL_SLIM_EXPORT vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper,
+                                                                 const std::string& unit = "");
 
 /** \brief Makes a bar's text light on a dark background of a renderer, dark on a light one. */
 PCL_SLIM_EXPORT void contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar);

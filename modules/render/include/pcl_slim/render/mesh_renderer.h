@@ -27,7 +27,7 @@ struct PCL_SLIM_EXPORT MeshRenderParams {
 };
 
 /** \brief What a frame of a mesh drew and left out. */
-struct MeshRenderStatistics {
+struct PCL_SLIM_EXPORT MeshRenderStatistics {
   std::uint64_t triangles = 0;        ///< of the mesh
   std::uint64_t outside_frustum = 0;  ///< triangles that no ray meets
   std::uint64_t back_facing = 0;      ///< triangles turned away, where only fronts are drawn

@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# BUILD_TESTING=OFF configures no tests: cmake -DSOURCE= -DBINARY= -DGENERATOR= -DCOMPILER= -P build_testing.cmake
+file(REMOVE_RECURSE ${BINARY})
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${BINARY} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DBUILD_TESTING=OFF -DPCL_SLIM_BUILD_FILTERS=OFF -DPCL_SLIM_BUILD_MPI=OFF
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+if(EXISTS ${BINARY}/tests OR EXISTS ${BINARY}/CTestTestfile.cmake)
+  message(FATAL_ERROR "tests are configured although BUILD_TESTING is OFF")
+endif()
