@@ -3,7 +3,7 @@
 # Installs the Debian or Ubuntu packages that building and testing need. Does nothing when they
 # are there; without root rights it names the command to run and exits 1.
 #   scripts/setup.sh        what the README's commands need
-#   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
+#   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format, and what builds the site
 #   scripts/setup.sh nightly  and .ci/nightly: a browser that pages are tested in
 set -euo pipefail
 
@@ -11,7 +11,7 @@ packages=(
   cmake ninja-build g++ pkg-config
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
-case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev) ;; esac
+case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev doxygen python3-sphinx furo python3-myst-parser) ;; esac
 if [ "${1-}" = nightly ]; then
   packages+=(chromium)
   command -v node >/dev/null || packages+=(nodejs)
