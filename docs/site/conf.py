@@ -86,8 +86,37 @@ def link_names(app, doctree, docname):
             literal.replace_self(link)
 
 
+def repair_theme(app, error):
+    """Debian 12's furo has its scripts in two files, the first of which imports the second as no browser does from a disk,
+    and has lost the rule for browsers that prefer the dark."""
+    static = os.path.join(app.outdir, "_static")
+
+    def change(name, function):
+        with open(os.path.join(static, name), encoding="utf-8") as file:
+            text = file.read()
+        with open(os.path.join(static, name), "w", encoding="utf-8") as file:
+            file.write(function(text))
+
+    def join(text):
+        if not text.startswith("import Gumshoe"):
+            return text
+        with open(os.path.join(static, "scripts/gumshoe-patched.js"), encoding="utf-8") as file:
+            return file.read() + text.split("\n", 1)[1]
+
+    def follow_browser(text):
+        if "prefers-color-scheme" in text:
+            return text
+        colors = re.search(r'body\[data-theme="dark"\] \{(.*?)\}', text, re.S)[1]
+        return f'{text}\n@media screen and (prefers-color-scheme: dark) {{\nbody:not([data-theme="light"]) {{{colors}}} }}\n'
+
+    if error is None:
+        change("scripts/furo.js", join)
+        change("styles/furo.css", follow_browser)
+
+
 def setup(app):
     tags = os.environ.get("PCL_SLIM_TAGS")
     app.reference_pages = reference_pages(tags) if tags else {}
     app.connect("source-read", add_navigation)
     app.connect("doctree-resolved", link_names)
+    app.connect("build-finished", repair_theme)
