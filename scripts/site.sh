@@ -36,6 +36,7 @@ reference() {
     printf '%s\n' "PROJECT_NUMBER = $(sed -n 's/#define PCL_SLIM_VERSION "\(.*\)"/\1/p' modules/core/include/pcl_slim/version.h)" \
       "OUTPUT_DIRECTORY = \"$out\"" "HTML_OUTPUT = api" "GENERATE_TAGFILE = \"$work/api.tags\"" \
       "LAYOUT_FILE = \"$work/layout.xml\"" "WARN_LOGFILE = \"$work/warnings\""
+    printf 'STRIP_FROM_INC_PATH += "%s"\n' modules/*/include
   } | doxygen - || return
   # Variables, aliases and members of classes may go without a comment: most are named by what they are.
   ! grep -v -E 'Member .* \((variable|typedef|friend)\) of .* is not documented|Member .* \(function\) of (class|struct) .* is not documented' \
@@ -51,5 +52,5 @@ pages() {
 }
 quietly "Reference" "$log/site_reference.log" reference
 quietly "Pages" "$log/site_pages.log" pages
-quietly "Links" "$log/site_links.log" python3 tests/site_test.py "$out"
+quietly "Links" "$log/site_links.log" python3 tests/site_test.py "$out" "$root"
 tail -n 1 -- "$log/site_links.log"

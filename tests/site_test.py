@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Follows every link of a built site (scripts/site.sh) to its file and its anchor.
 
-    python3 tests/site_test.py SITE     prints each link that leads nowhere; exits 1 if there is one
+    python3 tests/site_test.py SITE ROOT    prints each link that leads nowhere and each page that names ROOT, the folder
+                                            of the sources; exits 1 if there is one
 """
 import html.parser
 import os
@@ -20,7 +21,8 @@ class Page(html.parser.HTMLParser):
         super().__init__()
         self.anchors, self.links = set(), []
         with open(path, encoding="utf-8") as file:
-            self.feed(file.read())
+            self.text = file.read()
+        self.feed(self.text)
 
     def handle_starttag(self, tag, attributes):
         for name, value in attributes:
@@ -31,14 +33,16 @@ class Page(html.parser.HTMLParser):
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: python3 tests/site_test.py SITE")
-    site = os.path.abspath(sys.argv[1])
+    if len(sys.argv) != 3:
+        sys.exit("usage: python3 tests/site_test.py SITE ROOT")
+    site, root = (os.path.abspath(path) for path in sys.argv[1:])
     defects = [f"{name} is missing" for name in EXPECTED if not os.path.exists(os.path.join(site, name))]
     paths = [os.path.join(folder, name) for folder, _, names in os.walk(site) for name in names if name.endswith(".html")]
     pages = {path: Page(path) for path in paths}
     count = 0
     for path, page in pages.items():
+        if root in page.text:
+            defects.append(f"{os.path.relpath(path, site)} names {root}")
         for link in page.links:
             parts = urlsplit(link)
             if parts.scheme or parts.netloc or link == "#":

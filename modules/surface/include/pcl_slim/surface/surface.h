@@ -60,7 +60,9 @@ struct SurfaceInfo {
  * centres are on a grid coarse enough that world = origin + scale * local is exact in float
  * unless the origin is beyond 256 L. Surfel i
  * is the set f_i(x) = 0 inside the ball |x - c| < r with, in the frame of its normal,
+ *
  *     f(x) = r (w' - h(u', v')),   (u', v', w') = ((x - c).u, (x - c).v, (x - c).w) / r,
+ *
  * so coefficients carry no unit (Ohtake, Belyaev, Alexa 2005, eqs 1-2). The normal and grad f
  * point to the outer side if SurfaceInfo::oriented is true.
  */
