@@ -28,10 +28,9 @@ declare -A scans=(
   [stanford_bunny_raw_scans]="none 300x300+100+190"
   [lion_takanawa]="none 300x300+100+60"
   [kinect_mosd_learn13]="camera 300x300+220+470 -view 25,25"
-  [lone_star_geyser_tls]="none 300x300+250+560"
   [autzen_stadium]="up 300x300+560+120"
 )
-order=(stanford_bunny_raw_scans lion_takanawa kinect_mosd_learn13 lone_star_geyser_tls autzen_stadium)
+order=(stanford_bunny_raw_scans lion_takanawa kinect_mosd_learn13 autzen_stadium)
 chosen=("${@:3}")
 [ ${#chosen[@]} -gt 0 ] || chosen=("${order[@]}")
 # Names of runs, in the order of picture and table.
@@ -71,7 +70,7 @@ setup() {
 runs() {
   local sides=$1 own=$data/$scan.pcd
   [ -e "$work/scan.ply" ] || peers python3 /peers/open3d_peer.py prepare "/data/$scan.pcd" "/gallery/$scan/scan.ply"
-  case $scan in lone_star* | autzen*) own=$work/scan.ply ;; esac
+  case $scan in autzen*) own=$work/scan.ply ;; esac
   timed surface "$bin/pcl_slim_fit" "$own" "$work/surface.slim"
   timed mesh "$bin/pcl_slim_mesh" "$own" "$work/mesh.ply"
   for method in tutorial tuned pivoting; do
