@@ -3,7 +3,7 @@
 # Installs the Debian or Ubuntu packages that building and testing need. Does nothing when they
 # are there; without root rights it names the command to run and exits 1.
 #   scripts/setup.sh        what the README's commands need
-#   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
+#   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format, and what builds the site
 #   scripts/setup.sh packages  what scripts/package.sh, package_test.sh and abi.sh need
 #   scripts/setup.sh nightly  what .ci/nightly needs: all of that, a browser that pages are tested in, tools of Python wheels
 set -euo pipefail
@@ -12,7 +12,7 @@ packages=(
   cmake ninja-build g++ pkg-config
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
-case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev) ;; esac
+case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev doxygen python3-sphinx furo python3-myst-parser) ;; esac
 case ${1-} in packages | nightly) packages+=(git abigail-tools debhelper debootstrap dpkg-dev lintian) ;; esac
 if [ "${1-}" = nightly ]; then
   packages+=(chromium pybind11-dev python3-dev python3-numpy python3-pytest)

@@ -107,6 +107,7 @@ class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
 
   /** \brief Forgets the last run. */
   void clearResults();
+  /** \brief Samples a cloud. \return false with error_ when it cannot. */
   bool run(const CloudView& cloud, const ColorView& colors, SplatSet& splats);
 
   SplatParams params_;

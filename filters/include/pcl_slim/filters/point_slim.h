@@ -15,8 +15,10 @@ namespace pcl_slim {
  *
  * Lengths are in the cloud's units, coefficients carry none: with r the radius and (u, v, w) the
  * frame of the normal (LocalFrame), the surface inside the ball is
- *     w / r = c0 + c1 (u/r) + c2 (v/r) + c3 (u/r)^2 + ...        (order of slim/polynomial.h)
- * Coefficients are separate scalars because viewers pass over fields with more than one element.
+ *
+ *     w / r = c0 + c1 (u/r) + c2 (v/r) + c3 (u/r)^2 + ...
+ *
+ * in the order of surface/polynomial.h. Coefficients are separate scalars because viewers pass over fields with more than one element.
  */
 struct EIGEN_ALIGN16 PointSLIM {
   PCL_ADD_POINT4D

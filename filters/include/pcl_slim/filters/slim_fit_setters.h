@@ -41,16 +41,24 @@ class SLIMFitSetters {
   PCL_SLIM_PARAMETER(bool, PaperMode, FitParams::paper_mode)
 
   // Noise: of these four the last one set counts, and unsets those that it excludes.
+
+  /** \brief Variance of the noise, as a share of the squared box diagonal: FitParams::lambda; 0
+   * (default): measured. */
   void setNoiseLevel(double lambda) { setNoiseBy(&FitParams::lambda, lambda); }
   double getNoiseLevel() const { return getParameter(params_, &FitParams::lambda); }
+  /** \brief RMS error of the points, in the cloud's units: FitParams::noise; 0 (default): measured.
+   */
   void setNoise(double sigma) { setNoiseBy(&FitParams::noise, sigma); }
   double getNoise() const { return getParameter(params_, &FitParams::noise); }
-  /** \brief True excludes a noise model. */
+  /** \brief Whether the noise is measured along the scan, not once for all of it:
+   * FitParams::local_noise; not set (default): decided by the data. True excludes a noise model. */
   void setLocalNoise(std::optional<bool> local) {
     if (local.value_or(false)) params_.noise_model.reset();
     params_.local_noise = local;
   }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
+  /** \brief RMS error a + b z + c z^2 along the ray at distance z from the sensor:
+   * FitParams::noise_model. */
   void setNoiseModel(double a, double b, double c) {
     params_.lambda.reset();
     params_.noise.reset();
@@ -62,6 +70,7 @@ class SLIMFitSetters {
     if (params_.noise_model) std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
     return params_.noise_model.has_value();
   }
+  /** \brief Returns to a measured noise. */
   void clearNoiseModel() { params_.noise_model.reset(); }
 
  private:

@@ -35,6 +35,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
     VOXEL_GRID_DILATION      ///< the corners of voxels about the input points
   };
 
+  /** \brief Which points are projected (default NONE). */
   void setUpsamplingMethod(UpsamplingMethod method) { upsampling_ = method; }
   UpsamplingMethod getUpsamplingMethod() const { return upsampling_; }
 

@@ -64,10 +64,12 @@ PCL_SLIM_EXPORT bool addSplats(pcl::visualization::PCLVisualizer& viewer, const 
 /** \brief Puts other splats in their place. */
 PCL_SLIM_EXPORT bool updateSplats(pcl::visualization::PCLVisualizer& viewer, const SplatSet& splats,
                                   const std::string& id = "splats");
+/** \brief The same for PCL's surfels. */
 PCL_SLIM_EXPORT bool updateSplats(pcl::visualization::PCLVisualizer& viewer,
                                   const pcl::PointCloud<pcl::PointSurfel>& splats,
                                   const std::string& id = "splats");
 
+/** \brief Takes splats out of the window. \return false for an unknown id. */
 PCL_SLIM_EXPORT bool removeSplats(pcl::visualization::PCLVisualizer& viewer,
                                   const std::string& id = "splats");
 

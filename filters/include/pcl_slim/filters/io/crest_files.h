@@ -25,11 +25,11 @@ struct CrestView {
 
 /** \brief Writes lines by extension (upper or lower case); the file appears only when complete.
  *
- * .vtp  ParaView: one polyline cell a line with type, length, strength, significance; point data
- * .ply  binary_little_endian, `element edge` with vertex1 and vertex2
- * .pcd  binary; a `line` field has the number of each vertex' line
- * .svg  ridges blue and ravines red, as seen from that side (a ridge seen from behind is
- *       a ravine)
+ * - .vtp: for ParaView: one polyline cell a line with type, length, strength, significance; point
+ *   data
+ * - .ply: binary_little_endian, `element edge` with vertex1 and vertex2
+ * - .pcd: binary; a `line` field has the number of each vertex' line
+ * - .svg: ridges blue and ravines red, as seen from that side (a ridge seen from behind is a ravine)
  *
  * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the
  * next.

@@ -58,19 +58,19 @@ struct PCL_SLIM_EXPORT PointFileOptions {
 
 /** \brief Reads a point file by its extension, upper or lower case.
  *
- * .pcd                 ascii, binary, binary_compressed
- * .ply                 ascii, binary of either order; vertices and faces
- * .las                 versions 1.0 to 1.4, point formats 0 to 10; x y z are doubles, other values
- *                      fields of their names (intensity, return_number, classification, gps_time,
- *                      red, ...), extra bytes fields as their record describes them
- * .laz                 the same compressed, also COPC, in builds with LASzip
- * .xyz .txt .asc .csv .neu  text, a point a line; columns by their names, or guessed (columns)
- * .xyzrgb .xyzn        the same; colours or normals behind x y z
- * .pts                 the same, with the number of points first and intensity before colours
- * .ptx                 scans of Leica's format, with the places of their scanners
- * .obj .off .stl       vertices, with normals and colours where there are any, and faces
- * .vtp VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays
- *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
+ * - .pcd: ascii, binary, binary_compressed
+ * - .ply: ascii, binary of either order; vertices and faces
+ * - .las: versions 1.0 to 1.4, point formats 0 to 10; x y z are doubles, other values fields of their
+ *   names (intensity, return_number, classification, gps_time, red, ...), extra bytes fields as their
+ *   record describes them
+ * - .laz: the same compressed, also COPC, in builds with LASzip
+ * - .xyz .txt .asc .csv .neu: text, a point a line; columns by their names, or guessed (columns)
+ * - .xyzrgb .xyzn: the same; colours or normals behind x y z
+ * - .pts: the same, with the number of points first and intensity before colours
+ * - .ptx: scans of Leica's format, with the places of their scanners
+ * - .obj .off .stl: vertices, with normals and colours where there are any, and faces
+ * - .vtp: VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays (3
+ *   bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points is
  * read and has none. Ignored parts of a file (elements of a PLY file other than vertices and faces,

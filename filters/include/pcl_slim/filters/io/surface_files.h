@@ -15,13 +15,13 @@ namespace pcl_slim {
 
 /** \brief Writes a surface by extension (upper or lower case), seen under its name only when whole.
  *
- * .pcd   binary PCD, for pcl_viewer; metadata in '#' lines
- * .ply   binary_little_endian, plain float properties, for MeshLab and CloudCompare; metadata in
- *        comment lines
- * .vtp   for ParaView: vertex cells, "Normals", one array a field; metadata as field data;
- *        in builds with PCL_SLIM_WITH_VTP
- * .pvtp  for ParaView: an index of .vtp files, here of one (saveSurfacePieces)
- * .slim  the compact form of surface/surface_io.h
+ * - .pcd: binary PCD, for pcl_viewer; metadata in '#' lines
+ * - .ply: binary_little_endian, plain float properties, for MeshLab and CloudCompare; metadata in
+ *   comment lines
+ * - .vtp: for ParaView: vertex cells, "Normals", one array a field; metadata as field data; in builds
+ *   with PCL_SLIM_WITH_VTP
+ * - .pvtp: for ParaView: an index of .vtp files, here of one (saveSurfacePieces)
+ * - .slim: the compact form of surface/surface_io.h
  *
  * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields
  * (toPointTable). Loading and saving again gives the same bytes in every format, unless

@@ -18,6 +18,7 @@ namespace pcl_slim {
  * are not finite is skipped; a normal that is zero or not finite counts as missing for that point.
  */
 struct PCL_SLIM_EXPORT CloudView {
+  /** \brief The type of coordinates. */
   enum class Scalar : unsigned char { kFloat, kDouble };
 
   const void* xyz = nullptr;   ///< address of the first point's x

@@ -36,6 +36,7 @@ inline std::uint64_t mortonCell(double local) {
   return cell >= cells ? (1u << kMortonBits) - 1 : static_cast<std::uint64_t>(cell);
 }
 
+/** \brief The 63-bit Morton code of a local position, three bits a level, x highest. */
 inline std::uint64_t mortonCode(double x, double y, double z) {
   return spreadBits(mortonCell(x)) << 2 | spreadBits(mortonCell(y)) << 1 |
          spreadBits(mortonCell(z));

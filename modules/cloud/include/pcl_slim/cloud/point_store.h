@@ -71,7 +71,9 @@ class PCL_SLIM_EXPORT PointStore {
    * before. */
   void moveTo(const std::vector<std::array<double, 3>>& positions, int threads = 1);
 
+  /** \brief Number of stored points. */
   std::size_t size() const { return size_; }
+  /** \brief Number of blocks of kBlock points. */
   std::size_t numBlocks() const { return block_origin_x_.size(); }
   /** \brief Whether the cloud came with normals. */
   bool hasNormals() const { return !nx_.empty() && !found_sides_; }
@@ -85,6 +87,7 @@ class PCL_SLIM_EXPORT PointStore {
             static_cast<double>(block_origin_y_[b]) + y_[i],
             static_cast<double>(block_origin_z_[b]) + z_[i]};
   }
+  /** \brief Unit normal of point i; only if hasSides(). */
   std::array<float, 3> normal(std::size_t i) const { return {nx_[i], ny_[i], nz_[i]}; }
 
   /** \brief World position of local 0. */
@@ -138,7 +141,9 @@ class PCL_SLIM_EXPORT PointStore {
   const float* blockOriginY() const { return block_origin_y_.data(); }
   const float* blockOriginZ() const { return block_origin_z_.data(); }
 
+  /** \brief The boxes of the blocks, level by level. */
   const BlockTree& tree() const { return tree_; }
+  /** \brief What build() found in the cloud. */
   const PointStoreStatistics& statistics() const { return statistics_; }
 
   /** \brief Gives the points of a cloud without normals a side each: unit normals, in stored order.

@@ -38,10 +38,14 @@ inline Error badInput(std::string message) {
 template <typename T>
 class [[nodiscard]] Result {
  public:
+  /** \brief A value. */
   Result(T value) : value_(std::move(value)) {}
+  /** \brief An error, which must be one. */
   Result(Error error) : error_(std::move(error)) {}
 
+  /** \brief True when there is a value. */
   explicit operator bool() const { return value_.has_value(); }
+  /** \brief The error; none when there is a value. */
   const Error& error() const { return error_; }
 
   T& operator*() { return *value_; }

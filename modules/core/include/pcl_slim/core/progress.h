@@ -20,6 +20,7 @@ class Progress {
   Progress() = default;
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
+  /** \brief Calls the callback, if there is one. */
   void report(float fraction, const char* stage) {
     if (callback_) callback_(fraction, stage);
   }
@@ -40,6 +41,7 @@ class Progress {
   }
   /** \brief Ends a run: a cancel() that came too late for it is forgotten. */
   void closeRun() { state_.store(State::kClosed); }
+  /** \brief Whether the run in progress is to stop. */
   bool cancelled() const { return state_.load(std::memory_order_relaxed) == State::kCancelled; }
 
  private:

@@ -103,10 +103,12 @@ template <typename Value>
 Value getParameter(const FitParams& params, Value FitParams::*member) {
   return params.*member;
 }
+/** \brief The same for a parameter that may be unset. */
 template <typename Value>
 Value getParameter(const FitParams& params, std::optional<Value> FitParams::*member) {
   return (params.*member).value_or(Value());
 }
+/** \brief The value of a size rule; 0 where another rule is set. */
 template <typename Rule, typename Value>
 auto getParameter(const FitParams& params, Value Rule::*member) {
   const auto* rule = std::get_if<Rule>(&params.size);

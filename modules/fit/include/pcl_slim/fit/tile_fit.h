@@ -57,11 +57,13 @@ struct PCL_SLIM_EXPORT LevelRadii {
   int last =
       1;  ///< finest level that points, units and FitParams::least_radius allow to start with
 
+  /** \brief Radius of the balls of this level, local length. */
   double radius(int level) const;
   /** \brief Widest reach of a ball of this level, and of its leaf, from the point it is about. */
   double reach(int level) const;
 };
 
+/** \brief The radii that a fit with these parameters searches in a frame. */
 PCL_SLIM_EXPORT LevelRadii levelRadii(const StoreFrame& frame, const FitParams& params);
 
 /** \brief One tile of a cloud. */

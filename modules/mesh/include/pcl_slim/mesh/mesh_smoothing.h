@@ -29,6 +29,7 @@ struct MeshSmoothParams {
   FitParams fit;
   MeshEdges edges = MeshEdges::kMeasured;
 
+  /** \brief Names the first parameter outside its range. */
   Error validate() const { return fit.validate(); }
 };
 

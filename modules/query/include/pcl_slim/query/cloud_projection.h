@@ -79,6 +79,7 @@ class PCL_SLIM_EXPORT CloudProjection {
 
   /** \brief Number of selected points. */
   std::size_t size() const { return stored_.size(); }
+  /** \brief Whether the i-th selected point has finite coordinates. */
   bool isFinite(std::size_t i) const { return stored_[i] != PointStore::kSkipped; }
   /** \brief Whether the i-th selected point has been moved; otherwise it keeps its place. */
   bool isSupported(std::size_t i) const {
@@ -101,7 +102,9 @@ class PCL_SLIM_EXPORT CloudProjection {
   std::vector<std::int32_t> unsupported() const;
   /** \brief Indices, in the cloud, of the points that were moved to places beyond the borders. */
   std::vector<std::int32_t> outside() const;
+  /** \brief What the projection did. */
   const CloudProjectionStatistics& statistics() const { return statistics_; }
+  /** \brief What it found in its input. */
   const PointStoreStatistics& inputStatistics() const { return input_statistics_; }
 
  private:

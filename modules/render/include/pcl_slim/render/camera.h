@@ -21,6 +21,7 @@ struct ImageSize {
  * along the ray, whose direction has unit length.
  */
 struct PCL_SLIM_EXPORT Camera {
+  /** \brief How rays leave the camera: from its position, or in parallel. */
   enum class Projection : unsigned char { kPerspective, kOrthographic };
 
   Projection projection = Projection::kPerspective;

@@ -20,7 +20,9 @@ class PointSource {
 
   virtual ~PointSource() = default;
 
+  /** \brief Number of points. */
   virtual std::uint64_t size() const = 0;
+  /** \brief Whether the points have normals. */
   virtual bool hasNormals() const = 0;
   /** \brief The type that stores the coordinates without loss. */
   virtual CloudView::Scalar scalar() const = 0;

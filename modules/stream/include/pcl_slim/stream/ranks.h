@@ -17,7 +17,7 @@ class PCL_SLIM_EXPORT Ranks {
   virtual ~Ranks() = default;
 
   virtual int rank() const = 0;  ///< from 0 on
-  virtual int size() const = 0;
+  virtual int size() const = 0;  ///< number of ranks
 
   /** \brief Sends a message to each rank and receives one from each.
    * \param[in,out] messages size() of them: to each rank, then from each; the own one stays */

@@ -15,6 +15,7 @@ namespace pcl_slim {
 
 /** \brief Where a file has its points: records of one size, or words of text. */
 struct RecordLayout {
+  /** \brief One number of a point in its record. */
   struct Field {
     std::size_t offset = 0;  ///< bytes into the record; of text: words into the row
     ScalarType type = kFloat32;

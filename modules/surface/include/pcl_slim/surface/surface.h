@@ -60,7 +60,9 @@ struct SurfaceInfo {
  * centres are on a grid coarse enough that world = origin + scale * local is exact in float
  * unless the origin is beyond 256 L. Surfel i
  * is the set f_i(x) = 0 inside the ball |x - c| < r with, in the frame of its normal,
+ *
  *     f(x) = r (w' - h(u', v')),   (u', v', w') = ((x - c).u, (x - c).v, (x - c).w) / r,
+ *
  * so coefficients carry no unit (Ohtake, Belyaev, Alexa 2005, eqs 1-2). The normal and grad f
  * point to the outer side if SurfaceInfo::oriented is true.
  */
@@ -90,16 +92,23 @@ class PCL_SLIM_EXPORT SLIMSurface {
   std::vector<std::uint32_t> roots;        ///< children of the enclosing root ball
   std::array<float, 4> root_ball{};        ///< centre and radius of a ball that contains all balls
 
+  /** \brief Number of surfels of all levels. */
   std::size_t size() const { return cx.size(); }
   bool empty() const { return cx.empty(); }
+  /** \brief Coefficients stored for each surfel. */
   int stride() const { return numCoefficients(info.degree); }
+  /** \brief Whether surfel i is part of the surface, not only of the hierarchy. */
   bool isLeaf(std::size_t i) const { return (flags[i] & kSurfelLeaf) != 0; }
+  /** \brief Number of leaves. O(surfels). */
   std::size_t numLeaves() const;
   /** \brief The leaves, ascending. */
   std::vector<std::uint32_t> leaves() const;
+  /** \brief Number of levels of the hierarchy. O(surfels). */
   std::size_t numLevels() const;
+  /** \brief The stride() coefficients of surfel i, in the order of polynomial.h. */
   const float* coefficientsOf(std::size_t i) const { return coefficients.data() + i * stride(); }
 
+  /** \brief Whether surfel i has a trim map. */
   bool isOpen(std::size_t i) const { return (flags[i] & kSurfelOpen) != 0; }
   /** \brief Whether any surfel has a trim map. */
   bool hasTrimMaps() const { return !trim_begin.empty(); }
