@@ -100,11 +100,11 @@ function(pcl_slim_install_package)
   install(FILES ${PROJECT_SOURCE_DIR}/package.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_slim COMPONENT development)
   pcl_slim_install_pkg_config("${components}")
-  # The licences are wherever libraries are, the pages (19 MB of pictures) only where they are wanted.
+  # The pages, 19 MB of pictures among them, are installed where their component is asked for alone.
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/modules/render/src/text/LICENSE.dejavu
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
   install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation EXCLUDE_FROM_ALL)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
-    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation PATTERN docs/site EXCLUDE)
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation EXCLUDE_FROM_ALL PATTERN docs/site EXCLUDE)
 endfunction()
