@@ -85,6 +85,9 @@ in_debian() {
     done
     mount -t proc proc "$dir/proc"
     mount -t sysfs -o ro sysfs "$dir/sys"
+    mkdir -p "$dir/dev/pts"
+    mount -t devpts -o newinstance,ptmxmode=0666 devpts "$dir/dev/pts"
+    [ -e "$dir/dev/ptmx" ] || ln -s pts/ptmx "$dir/dev/ptmx"
     [ -c "$dir/dev/null" ] || mount --rbind /dev "$dir/dev"
     exec chroot "$dir" /usr/bin/env -i "$@"' \
     in_debian "$dir" ${#mounts[@]} ${mounts[@]+"${mounts[@]}"} ${keep[@]+"${keep[@]}"} \

@@ -326,7 +326,7 @@ SurfaceMetadata deriveMetadata(const std::vector<SurfelPoint>& cloud) {
 /** A surfel's flags, if they are any, without the one that announces a trim map. */
 float closed(float flags) {
   const bool open = flags >= 0.0f && flags <= 255.0f && (static_cast<int>(flags) & kSurfelOpen);
-  return open ? flags - kSurfelOpen : flags;
+  return open ? flags - static_cast<float>(kSurfelOpen) : flags;
 }
 
 /** The columns of a cloud by name; -1 where absent. */
