@@ -85,7 +85,7 @@ NoiseLevel measureNoise(const PointStore& store, const NoiseConstants& constants
 }
 
 NoiseLevel measurePaperNoise(const PointStore& store, int threads) {
-  constexpr std::size_t kSamples = 1000;  // neighbourhoods
+  constexpr std::size_t kNeighborhoods = 1000;
   constexpr std::size_t kNeighbors = 10;  // of each, without the sample
   constexpr double kLeastError = 1e-6;    // sqrt(lambda) [L]
   if (store.size() < kCubicTerms + 2) return {};
@@ -96,7 +96,7 @@ NoiseLevel measurePaperNoise(const PointStore& store, int threads) {
     if (patch.points.size() < 4) return -1.0;
     return std::max(0.0, principalAxes(patch.points).eigenvalues()(0));
   };
-  const auto values = sampleStore(store, kSamples, 1, threads, measure);
+  const auto values = sampleStore(store, kNeighborhoods, 1, threads, measure);
   double sum = 0;
   std::size_t count = 0;
   for (const double value : values) {
