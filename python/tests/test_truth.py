@@ -128,7 +128,8 @@ def test_normals_and_viewpoint_decide_the_side(ball):
     inside = pcl_slim.curvature(points, viewpoint=(0, 0, 0))
     assert np.sum(inside.normals * directions, axis=1).max() < -0.999 and inside.mean.mean() < -0.9
     sensors = np.zeros((len(points), 3), np.float32)
-    assert np.sum(pcl_slim.fit(points, sensors=sensors).leaves["center"] * 0 == 0) > 0
+    leaves = pcl_slim.fit(points, sensors=sensors).leaves
+    assert np.sum(leaves["normal"] * leaves["center"], axis=1).max() < 0
     seen = pcl_slim.normals(points, sensors=sensors)
     assert np.sum(seen.normals * directions, axis=1).max() < -0.999
 
