@@ -39,7 +39,7 @@ make_debian() {
   mkdir -p -- "$dir"
   # An ordinary user enters it, too.
   chmod 755 -- "$dir"
-  log=$dir.log
+  log=$(mktemp -t debootstrap.XXXXXX)
   # debootstrap mounts /proc in the new system: in mounts of its own, so that none is left here.
   if ! unshare --mount debootstrap --variant=minbase "$release" "$dir" "$mirror" "$script" >"$log" 2>&1; then
     tail -n 20 -- "$log" >&2

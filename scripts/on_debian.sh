@@ -19,7 +19,7 @@ if [ $# -lt 1 ] || [ $# -gt 2 ]; then
   echo "on_debian.sh takes a release, as trixie, and a folder at most" >&2
   exit 2
 fi
-release=$1
+release=$1 source=/usr/src/pcl_slim # in the system
 if [ $# -eq 2 ]; then
   system=$2
 else
@@ -28,8 +28,7 @@ else
 fi
 
 in_source() { # COMMAND...: run in the project's folder of the system
-  in_debian "$system" bash -c 'cd /root/pcl_slim && exec "$@"' in_source \
-    env JOBS="${JOBS:-$(nproc)}" "$@"
+  in_debian "$system" env --chdir="$source" JOBS="${JOBS:-$(nproc)}" "$@"
 }
 
 # What laspy writes is read by this project through the same library, but written by other hands.
@@ -47,13 +46,15 @@ laspy.read("demo_out/scan.las").write("demo_out/scan.laz", laz_backend=laspy.Laz
 
 printf 'Debian %s in %s\n' "$release" "$system"
 [ -e "$system/etc/debian_version" ] || make_debian "$release" "$system"
-rm -rf -- "$system/root/pcl_slim"
-git clone --quiet --no-hardlinks "$root" "$system/root/pcl_slim"
+rm -rf -- "$system$source"
+git clone --quiet --no-hardlinks "$root" "$system$source"
 
 if [ -n "${COMPILER-}" ]; then
   in_source scripts/setup.sh
   case $COMPILER in
-    clang*) packages=("$COMPILER") cxx=${COMPILER/clang/clang++} ;;
+    clang*) # with OpenMP's header, which Eigen includes with PCL's flags
+      packages=("$COMPILER" "${COMPILER/clang/libomp}-dev") cxx=${COMPILER/clang/clang++}
+      ;;
     *) packages=("${COMPILER/gcc/g++}") cxx=${COMPILER/gcc/g++} ;;
   esac
   in_source apt-get install -y --no-remove -qq "${packages[@]}" >/dev/null
