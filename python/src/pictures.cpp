@@ -113,10 +113,14 @@ Request readPage(Keywords& keywords, const py::object& path, bool of_surface) {
   return request;
 }
 
+/** A view that opens a room looks through its near walls. */
+VisibleSides sidesOf(const PictureRequest& picture, bool opens) {
+  return picture.sides == VisibleSides::kAuto && opens ? VisibleSides::kFront : picture.sides;
+}
+
 RenderParams renderingOf(const PictureRequest& picture, bool opens) {
   RenderParams params;
-  params.sides =
-      picture.sides == VisibleSides::kAuto && opens ? VisibleSides::kFront : picture.sides;
+  params.sides = sidesOf(picture, opens);
   params.near_plane = picture.near_plane;
   params.close_gaps = true;
   params.threads = picture.shading.threads;
@@ -125,8 +129,7 @@ RenderParams renderingOf(const PictureRequest& picture, bool opens) {
 
 DiscRenderParams discsOf(const PictureRequest& picture, bool opens) {
   DiscRenderParams params;
-  params.sides =
-      picture.sides == VisibleSides::kAuto && opens ? VisibleSides::kFront : picture.sides;
+  params.sides = sidesOf(picture, opens);
   params.near_plane = picture.near_plane;
   params.threads = picture.shading.threads;
   return params;
@@ -137,7 +140,7 @@ Result<Image> tracePicture(const Model& model, const PictureRequest& picture,
                            const ShadingParams& shading, const ChosenView& view, Work& work) {
   RayTracer tracer(model, shading.threads);
   TraceParams params;
-  params.sides = renderingOf(picture, view.opens).sides;
+  params.sides = sidesOf(picture, view.opens);
   params.near_plane = picture.near_plane;
   params.occlusion_rays = shading.ambient_occlusion > 0 ? kOcclusionRays : 0;
   params.threads = shading.threads;

@@ -19,7 +19,8 @@ struct SheetBounds {
   float reach = 1;         ///< [radii] of the ball
   bool facing = false;     ///< those alone whose side is the surfel's
   float max_residual = 0;  ///< [radii] distance from its polynomial
-  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< about so many, evenly chosen
+  /// of the ball, chosen evenly: the approximate limit of their number
+  std::size_t most = std::numeric_limits<std::size_t>::max();
 };
 
 /** \brief Blocks of points that meet a ball: all, or every n-th, so that they have about a number of
