@@ -42,7 +42,7 @@ struct FeetRequest {
 /** \brief A surface whose feet are searched: patches to find the nearest one, and leaves to blend. */
 struct FootIndex {
   FootIndex(const SLIMSurface& surface, int threads)
-      : patches(surface, threads), probe(surface, ProbeUse::kExtraction) {}
+      : patches(surface, threads), probe(surface, ProbeUse::kExtraction, true) {}
 
   PatchIndex patches;
   ProbeIndex probe;
