@@ -23,10 +23,12 @@ using change::Scan;
 using change::Score;
 
 struct Settings {
-  std::string what = "change", shapes = "sphere,torus,bumpy,relief", noises = "0.002";
+  std::string what = "change", shapes = "sphere,torus,bumpy,relief", noises = "0.002",
+              offs = "0,0.001,0.01,0.1";
   int threads = 1, seed = 1;
   double points = 100000, reference_points = 60000, reference_noise = 0.001, radius = 0.12,
          cores = 4000, triangles = 1000000;
+  std::vector<double> off_values;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -41,6 +43,7 @@ OptionTable declareOptions(Settings& s) {
   options.number("reference_points", &s.reference_points, 1000, 1e8, "of the other scan");
   options.number("radius", &s.radius, 0, 1, "of the dent, share of the diagonal");
   options.number("cores", &s.cores, 100, 1e7, "points that are judged");
+  options.text("off", &s.offs, "S,...", "deviation of the places of -what cost from the reference");
   options.number("triangles", &s.triangles, 100, 1e8, "of the mesh of -what cost");
   options.integer("seed", &s.seed, 0, 1000000, "of points and noise");
   options.integer("threads", &s.threads, 0, 4096, "threads of -what cost; 0: all cores");
@@ -186,7 +189,7 @@ TriangleMesh bumpyMesh(double triangles) {
 
 void printCost(const Settings& s, const std::string& name, const DeviationReference& reference,
                double seconds) {
-  for (const double noise : {0.0, 0.001, 0.01, 0.1}) {
+  for (const double noise : s.off_values) {
     std::vector<Vector3> positions;
     {
       const Scan scan =
@@ -246,6 +249,9 @@ Exit run(Settings& s) {
   std::vector<double> noises;
   if (Error error = measure::parseShapes(s.shapes, shapes)) return Exit::usage(error);
   if (Error error = measure::parseLists({{"noise", &s.noises, 0, 1, false, &noises}})) {
+    return Exit::usage(error);
+  }
+  if (Error error = measure::parseLists({{"off", &s.offs, 0, 10, false, &s.off_values}})) {
     return Exit::usage(error);
   }
   if (s.what == "cost") return printCosts(s);
