@@ -43,12 +43,6 @@ Registration registered(const DeviationReference& reference, const std::vector<V
   return made ? *made : Registration();
 }
 
-DeviationReference referenceTo(const TriangleMesh& mesh) {
-  Result<DeviationReference> made = DeviationReference::make(mesh, {}, 1);
-  EXPECT_TRUE(made);
-  return std::move(*made);
-}
-
 void moveBy(const RigidMotion& motion, std::vector<Vector3>& places) {
   for (Vector3& p : places) p = motion.place(p);
 }
