@@ -49,10 +49,13 @@ struct ReferenceFoot {
 };
 
 /** \brief How feet are found. */
-struct FootParams {
+struct PCL_SLIM_EXPORT FootParams {
   double max_distance = 0;  ///< world units; 0: no limit
   bool sides = true;        ///< use normals, where both are oriented; false: nearest place alone
   int threads = 0;          ///< 0: all cores; never changes the result
+
+  /** \brief Names the first parameter out of range. */
+  Error validate() const;
 };
 
 /** \brief What places are compared with: a SLIM surface or a triangle mesh, arranged so that nearest
