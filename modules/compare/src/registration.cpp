@@ -22,7 +22,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kLeastPlaces = 6;
-constexpr double kHuber = 1.345, kTukey = 4.685;  // [deviations] 95 % efficient for normal errors
+constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;  // [deviations] 95 % efficient for normal errors
 constexpr double kMadToDeviation = 1.4826;        // of a normal distribution
 /** Of the standard error of a mode: a step so short ends the iteration. */
 constexpr double kConverged = 0.02;
@@ -31,16 +31,16 @@ enum class Loss { kHuber, kTukey };
 
 double weightOf(Loss loss, double deviations) {
   const double a = std::abs(deviations);
-  if (loss == Loss::kHuber) return a <= kHuber ? 1 : kHuber / a;
-  const double t = a / kTukey;
+  if (loss == Loss::kHuber) return a <= kHuberLimit ? 1 : kHuberLimit / a;
+  const double t = a / kTukeyLimit;
   return t < 1 ? (1 - t * t) * (1 - t * t) : 0;
 }
 
 /** Derivative of the influence deviations * weight. */
 double slopeOf(Loss loss, double deviations) {
   const double a = std::abs(deviations);
-  if (loss == Loss::kHuber) return a <= kHuber ? 1 : 0;
-  const double t = a / kTukey;
+  if (loss == Loss::kHuber) return a <= kHuberLimit ? 1 : 0;
+  const double t = a / kTukeyLimit;
   return t < 1 ? (1 - t * t) * (1 - 5 * t * t) : 0;
 }
 
