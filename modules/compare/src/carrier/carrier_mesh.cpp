@@ -124,7 +124,6 @@ Result<CarrierMesh> carrierMeshOf(const SLIMSurface& surface, const CarrierParam
 
 Result<CarrierMesh> carrierMeshOf(const TriangleMesh& mesh, const CarrierParams& params) {
   if (Error error = params.validate()) return error;
-  if (Error error = mesh.validate()) return error;
   // It joins corners of one place, which meshes of STL files have many of.
   const Result<TriangleIndex> index = TriangleIndex::make(mesh, params.threads);
   if (!index) return index.error();

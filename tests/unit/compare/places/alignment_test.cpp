@@ -29,6 +29,15 @@ TriangleMesh sheet(std::uint32_t n) {
   return mesh;
 }
 
+/** Its vertices as places. */
+PlaceColumns verticesOf(const TriangleMesh& mesh) {
+  CarrierParams own;
+  own.longest_edge = 1e300;
+  const auto carrier = carrierMeshOf(mesh, own);
+  EXPECT_TRUE(carrier) << carrier.error().message;
+  return carrier ? carrier->places : PlaceColumns();
+}
+
 RigidMotion smallMotion() {
   constexpr double kAngle = 0.01;
   RigidMotion motion;
@@ -52,7 +61,7 @@ TEST(Alignment, FindsTheMotionAndAppliesItOnRequest) {
   const TriangleMesh mesh = sheet(40);
   const auto reference = DeviationReference::make(mesh);
   ASSERT_TRUE(reference) << reference.error().message;
-  PlaceColumns places = carrierMeshOf(mesh, {})->places;
+  PlaceColumns places = verticesOf(mesh);
   const PlaceColumns original = places;
   places.move(inverseOf(smallMotion()));
   AlignmentParams params;
@@ -78,7 +87,7 @@ TEST(Alignment, TurnsPlacesThatFaceTheOtherWay) {
   const TriangleMesh mesh = sheet(20);
   const auto reference = DeviationReference::make(mesh);
   ASSERT_TRUE(reference);
-  PlaceColumns places = carrierMeshOf(mesh, {})->places;
+  PlaceColumns places = verticesOf(mesh);
   for (Vector3& p : places.positions) p[2] += 0.05;
   const auto alike = alignmentOf(*reference, places, {});
   places.turn();
