@@ -108,7 +108,7 @@ grep -q 'level of detection' p.html || complain 'no legend in the page'
 expect 0 '' plate.stl before.pcd -picture q.png -page q.html
 [ -s q.png ] && [ -s q.html ] || complain 'no drawings of a mesh'
 cp -- p.png old.png
-expect 0 '' after.pcd before.pcd -picture p.png -size 320x240 -threads 1
+expect 0 '' after.pcd before.pcd -unit mm -picture p.png -size 320x240 -threads 1
 same p.png old.png
 
 documented pcl_slim_compare slim_deviation slim_fit
