@@ -80,6 +80,7 @@ bool parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata,
   if (key == "scale") return parse(value, info.scale) && info.scale > 0.0;
   if (key == "diagonal") return parse(value, info.diagonal);
   if (key == "lambda") return parse(value, info.lambda);
+  if (key == "correlation") return parse(value, info.correlation) && info.correlation >= 1.0;
   if (key == "penalty") return parse(value, info.penalty);
   if (key == "t_mdl") return parse(value, info.t_mdl);
   if (key == "alpha") return parse(value, info.cover_radius);
@@ -107,6 +108,7 @@ std::vector<std::string> toComments(const SurfaceMetadata& metadata) {
   add("scale", formatScalar(info.scale));
   add("diagonal", formatScalar(info.diagonal));
   add("lambda", formatScalar(info.lambda));
+  if (info.correlation > 1) add("correlation", formatScalar(info.correlation));
   add("penalty", formatScalar(info.penalty));
   add("t_mdl", formatScalar(info.t_mdl));
   add("alpha", formatScalar(info.cover_radius));

@@ -146,6 +146,7 @@ FitPlan planFor(const PointStore& store, const FitParams& params, const FitConst
   plan.energy.t_mdl = t_mdl * store.diagonal();
   plan.energy.lambda = measures.lambda;
   plan.energy.correlation = measures.correlation;
+  plan.correlation = std::max(1.0, measures.statistics.correlation);
   // The paper's lambda, which T goes with, contains the surface's bend, too; the smallest balls
   // follow it.
   if (!params.hasThreshold() && !params.paper_mode) plan.noise = measures.noise;
@@ -346,6 +347,7 @@ SurfaceInfo makeInfo(const PointStore& store, const FitPlan& plan) {
   const double diagonal = store.diagonal();
   const bool has_extent = diagonal > 0;  // of one place there is no share
   info.lambda = has_extent ? plan.energy.lambda / (diagonal * diagonal) : 0.0;
+  info.correlation = static_cast<float>(plan.correlation);  // as files have it
   info.penalty = plan.energy.t_mdl > 0 ? 0.0 : plan.energy.kappa;
   info.t_mdl = has_extent ? plan.energy.t_mdl / diagonal : 0.0;
   info.cover_radius = plan.alpha;

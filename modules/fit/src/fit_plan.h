@@ -114,7 +114,8 @@ struct FitPlan {
   double first_radius = constants.cover.paper_first_radius;  ///< r_r of level 1 over L
   double start_share = constants.cover.start_share;  ///< of the points in level 1's median ball
   double noise = 0;                                  ///< CloudMeasures::noise
-  double least_ball = 0;  ///< > 0: no leaf's ball is narrower, a local length
+  double correlation = 1;  ///< points that share an error, for whoever reads the surface
+  double least_ball = 0;   ///< > 0: no leaf's ball is narrower, a local length
   double center_grid = 0x1p-22;
   std::vector<float> noise_profile;  ///< CloudMeasures::noise_profile
   bool with_normals = false;

@@ -52,7 +52,7 @@ bool noiseFills(const PointStore& sample, const FitStatistics& stats, double lam
 CloudMeasures measuresOf(const CloudTraits& traits) {
   CloudMeasures measures;
   measures.lambda = measures.noise = traits.lambda;
-  measures.correlation = traits.dependence;
+  measures.correlation = measures.statistics.correlation = traits.dependence;
   measures.normal_error = traits.normal_error;
   measures.min_dot = traits.min_dot;
   return measures;

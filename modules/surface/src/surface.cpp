@@ -36,6 +36,9 @@ Error checkInfo(const SurfaceInfo& info) {
     return badInput("the surface's scale is not a usable positive number; fit it again");
   if (!within(info.diagonal, 0.0, double{kMostLength}) || !within(info.lambda, 0.0, 0x1p40))
     return badInput("the surface's diagonal or noise variance is out of range; fit it again");
+  if (!within(info.correlation, 1.0, 0x1p100))
+    return badInput(
+        "the surface's correlation of the noise is not a number from 1 on; fit it again");
   if (!within(info.penalty, 0.0, 0x1p100) || !within(info.t_mdl, 0.0, 0x1p100))
     return badInput("the surface's penalty or T_MDL is negative or not finite; fit it again");
   const auto isShare = [](double value) { return value > 0.0 && value <= 1.0; };

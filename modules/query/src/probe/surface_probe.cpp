@@ -14,6 +14,7 @@
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/surface/surfel_color.h"
 #include "probe/probe.h"
+#include "projection/block_errors.h"
 #include "projection/projection.h"
 
 namespace pcl_slim {
@@ -184,12 +185,13 @@ struct ProbeIndex::Leaves {
   BlockTree tree;              ///< over their balls' boxes
   BlendRules rules;
   TrimTables trims;
+  LeafErrorTable errors;
   double reach = 1;   ///< of leaves, in radii
   float noise = 0;    ///< local units
   float min_dot = 0;  ///< least cosine between a leaf's normal and the requested side
 };
 
-ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
+ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use, bool errors)
     : surface_(surface), leaves_(std::make_unique<Leaves>()) {
   const bool extraction = use != ProbeUse::kSamples;
   if (use == ProbeUse::kSharp) leaves_->min_dot = kSharpCosine;
@@ -197,6 +199,7 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
     leaves_->reach = kReach;
     leaves_->trims = TrimTables(surface);
   }
+  if (errors) leaves_->errors = LeafErrorTable(surface, 1);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
     if (!surface.isLeaf(i)) continue;
@@ -211,6 +214,7 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
     const std::uint32_t i = order[j].second;
     leaves_->all.push_back(placeLeaf(surface, i, noise));
     leaves_->all.back().leaf.trim = leaves_->trims.of(i);
+    if (errors) leaves_->all.back().leaf.errors = leaves_->errors.of(surface, i);
     const float r = static_cast<float>(leaves_->reach * surface.radius[i]);
     boxes.min_x[j] = surface.cx[i] - r;
     boxes.min_y[j] = surface.cy[i] - r;
@@ -240,6 +244,8 @@ struct SurfaceProbe::Scratch {
   BlockSheets sheets;
   BlockColors colors;
   BlockPrincipals principals;
+  BlockBlend blend;
+  BlockErrors errors;
   LeafRegion region;  ///< the leaves at hand
   std::vector<const BlockLeaf*> near;
   std::vector<LeafHeights> heights;  ///< of those near
@@ -319,6 +325,27 @@ void SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples) {
   }
   kernels::findPrincipals(s.sums, s.principals);
   for (std::size_t i = 0; i < request.count; ++i) finish(request, i, samples[i]);
+  if (request.errors) addErrors(points, rules, request, samples);
+}
+
+/** Finds the standard errors of what was blended. */
+void SurfaceProbe::addErrors(const BlockPoints& points, const BlendRules& rules,
+                             const ProbeRequest& request, ProbeSample* samples) {
+  Scratch& s = *scratch_;
+  for (std::size_t i = 0; i < kMost; ++i) {
+    const bool supported = i < request.count && samples[i].supported;
+    s.blend.offset[i] = supported ? s.sums.offset[i] / s.sums.weight[i] : 0.0f;
+    for (std::size_t a = 0; a < 3; ++a) s.blend.normal[a][i] = s.principals.normal[a][i];
+    s.blend.curvature[i] = supported ? 0.5f * (samples[i].frame.k1 + samples[i].frame.k2) : 0.0f;
+  }
+  s.errors = {};
+  for (std::size_t j = 0; j < s.near.size(); ++j) {
+    if (s.near[j]->errors.variances == nullptr) continue;
+    kernels::addErrors(points, *s.near[j], rules, s.heights[j], s.sums, s.blend, s.errors);
+  }
+  for (std::size_t i = 0; i < request.count; ++i) {
+    samples[i].errors = standardErrors(s.errors, i, rules.with_hessian);
+  }
 }
 
 /** Stores the blended result for one place. */

@@ -44,6 +44,10 @@ void rescale(double factor, PrincipalFrame& principal) {
   principal.extremality2 = saturated(principal.extremality2 / factor / factor);
 }
 
+StandardErrors rescaled(double factor, const StandardErrors& errors) {
+  return {saturated(errors.position * factor), errors.normal, saturated(errors.curvature / factor)};
+}
+
 Error foreignSurface(const CloudProjectionStatistics& statistics) {
   return {ErrorCode::kBadInput,
           "the surface supports " + std::to_string(statistics.moved) + " of " +
@@ -169,6 +173,7 @@ Error CloudProjection::add(const PointStore& store, const SLIMSurface& surface,
     if (!more.principal.empty()) {
       rescale(factor, projection_.principal.emplace_back(more.principal[i]));
     }
+    if (!more.errors.empty()) projection_.errors.push_back(rescaled(factor, more.errors[i]));
   }
   measure(first);
   return {};
@@ -183,6 +188,7 @@ void CloudProjection::keep(const PointStore& store) {
   turned_.resize(count);
   if (!projection_.curvature.empty()) projection_.curvature.resize(count);
   if (!projection_.principal.empty()) projection_.principal.resize(count);
+  if (!projection_.errors.empty()) projection_.errors.resize(count);
   measure(count - store.size());
 }
 
@@ -249,6 +255,7 @@ ProjectedPoint CloudProjection::unknownPoint(const std::array<double, 3>& place)
   point.normal = principal.direction1 = principal.direction2 = {kNan, kNan, kNan};
   point.mean_curvature = point.gaussian_curvature = point.surface_variation = kNan;
   principal.k1 = principal.k2 = principal.extremality1 = principal.extremality2 = kNan;
+  point.errors = {kNan, kNan, kNan};
   return point;
 }
 
@@ -274,6 +281,9 @@ ProjectedPoint CloudProjection::point(std::size_t i) const {
   if (!projection_.principal.empty()) {
     point.principal = projection_.principal[s];
     rescale(scale_, point.principal);
+  }
+  if (!projection_.errors.empty()) {
+    point.errors = rescaled(scale_, projection_.errors[s]);
   }
   if (turned_[s] != 0) turn(point);
   return point;

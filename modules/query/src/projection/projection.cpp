@@ -13,6 +13,7 @@
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/leaf/detail/level_set-inl.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "projection/block_errors.h"
 
 namespace pcl_slim::detail {
 
@@ -223,6 +224,8 @@ class BlockProjector {
     BlockSums sums;
     std::vector<BlockLeaf> near;       ///< the leaves of one block
     std::vector<LeafHeights> heights;  ///< under its points
+    BlockBlend blend;
+    BlockErrors block_errors;
   };
 
   /** \brief The arguments must outlive this object. \param[in] leaves those that BlockLists refer
@@ -253,12 +256,17 @@ class BlockProjector {
              Projection& result) const;
   void writeCurvature(std::size_t i, std::size_t lane, const BlockSums& sums,
                       const BlockMeans& means, Projection& result) const;
+  void writeErrors(std::size_t block, const BlockPoints& points, const BlockMeans& means,
+                   const std::array<bool, PointStore::kBlock>& written, Scratch& scratch,
+                   Projection& result) const;
 
   const PointStore& store_;
   const SLIMSurface& surface_;
   Placement placement_;
   TrimTables trims_;
   std::vector<PlacedLeaf> placed_;
+  LeafErrorTable errors_;  ///< of the leaves, if requested
+  bool with_errors_;
   BlendRules rules_;
   bool with_directions_;     ///< principal curvatures and directions
   float reach_;              ///< > 0: [r] largest residual and offset, in place of the above
@@ -277,6 +285,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       surface_(surface),
       placement_(store, surface),
       trims_(surface),
+      with_errors_(params.errors),
       with_directions_(params.directions || params.extremality),
       reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
@@ -288,6 +297,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
   rules_.with_hessian = params.curvature || with_directions_;
   rules_.with_third = params.extremality;
   if (by_normals_) min_dot_ = params.sharp_features ? kSharpCosine : normalBound(store);
+  if (with_errors_) errors_ = LeafErrorTable(surface, threads);
   placed_.resize(leaves.size());
   parallelFor(leaves.size(), threads, 1024,
               [&](std::size_t j, int) { placed_[j] = placed(leaves[j]); });
@@ -301,6 +311,7 @@ BlockProjector::PlacedLeaf BlockProjector::placed(std::uint32_t i) const {
   if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
   leaf.trim = trims_.of(i);
+  if (with_errors_) leaf.errors = errors_.of(surface_, i);
   return placed;
 }
 
@@ -357,11 +368,39 @@ bool BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch
   const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
   const BlockMeans means(sums);
   bool all = true;
+  std::array<bool, PointStore::kBlock> written{};
   for (std::size_t lane = 0; lane < count; ++lane) {
-    if (result.supported[first + lane] == 0) write(first + lane, lane, sums, means, result);
-    all = all && result.supported[first + lane] != 0;
+    if (result.supported[first + lane] != 0) continue;
+    write(first + lane, lane, sums, means, result);
+    written[lane] = result.supported[first + lane] != 0;
+    all = all && written[lane];
   }
+  if (with_errors_) writeErrors(block, points, means, written, scratch, result);
   return all;
+}
+
+/** Writes the standard errors of a block's points that have just been written. */
+void BlockProjector::writeErrors(std::size_t block, const BlockPoints& points,
+                                 const BlockMeans& means,
+                                 const std::array<bool, PointStore::kBlock>& written,
+                                 Scratch& scratch, Projection& result) const {
+  const std::size_t first = block * PointStore::kBlock;
+  BlockBlend& blend = scratch.blend;
+  for (std::size_t lane = 0; lane < PointStore::kBlock; ++lane) {
+    blend.offset[lane] = static_cast<float>(means.offset[lane]);
+    for (std::size_t a = 0; a < 3; ++a) blend.normal[a][lane] = means.unit[a][lane];
+    const bool curved = written[lane] && rules_.with_hessian;
+    blend.curvature[lane] = curved ? result.curvature[first + lane][0] : 0.0f;
+  }
+  scratch.block_errors = {};
+  for (std::size_t j = 0; j < scratch.near.size(); ++j) {
+    kernels::addErrors(points, scratch.near[j], rules_, scratch.heights[j], scratch.sums, blend,
+                       scratch.block_errors);
+  }
+  for (std::size_t lane = 0; lane < PointStore::kBlock; ++lane) {
+    if (!written[lane]) continue;
+    result.errors[first + lane] = standardErrors(scratch.block_errors, lane, rules_.with_hessian);
+  }
 }
 
 /** Writes what was blended for point i: its place along the ray (eq. 6) and the normal (eq. 7). */
@@ -404,6 +443,7 @@ void allocate(std::size_t points, const ProjectionParams& params, Projection& re
   const bool directions = params.directions || params.extremality;
   if (params.curvature || directions) result.curvature.assign(points, {0, 0});
   if (directions) result.principal.assign(points, {});
+  if (params.errors) result.errors.assign(points, {});
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surfel_texture.h"
 #include "pcl_slim/surface/weight_kernel.h"
+#include "projection/error_polynomials.h"
 
 namespace pcl_slim::detail {
 
@@ -28,6 +29,7 @@ struct BlockLeaf {
   const std::uint8_t* color = nullptr;  ///< kColorBytes, or none
   SurfelTexture texture;                ///< in place of them, or empty
   bool textured = false;                ///< some leaf of the surface has a texture
+  LeafErrors errors;                    ///< or none
 };
 
 /** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */

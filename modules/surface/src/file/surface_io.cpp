@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/surface/surface_io.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -37,8 +38,8 @@ bool plausible(const SurfaceInfo& info) {
            k == WeightKernel::kGaussian;
   };
   return info.degree >= 1 && info.degree <= kMaxDegree && known(info.fit_kernel) &&
-         known(info.blend_kernel) && std::isfinite(info.scale) && info.scale > 0.0 &&
-         isFinite(info.origin);
+         known(info.blend_kernel) && std::isfinite(info.correlation) && std::isfinite(info.scale) &&
+         info.scale > 0.0 && isFinite(info.origin);
 }
 
 /** Sets a header's checksum. */
@@ -117,7 +118,8 @@ void putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t
   out.putUnsigned(static_cast<std::uint8_t>(info.blend_kernel));
   out.putUnsigned(static_cast<std::uint8_t>((info.oriented ? 1 : 0) | (info.paper_mode ? 2 : 0) |
                                             (info.sides_in_doubt ? 4 : 0)));
-  out.putUnsigned(std::uint32_t{0});
+  // 0 for independent errors, as in files of the time when no correlation was stored.
+  out.putFloat(info.correlation > 1 ? static_cast<float>(info.correlation) : 0.0f);
   for (const double value :
        {info.origin[0], info.origin[1], info.origin[2], info.scale, info.diagonal, info.lambda,
         info.penalty, info.t_mdl, info.cover_radius, info.cover_threshold}) {
@@ -140,7 +142,7 @@ Result<std::uint64_t> getSlimHeader(const unsigned char* bytes, SurfaceInfo& inf
   info.oriented = (switches & 1) != 0;
   info.paper_mode = (switches & 2) != 0;
   info.sides_in_doubt = (switches & 4) != 0;
-  in.getUnsigned<std::uint32_t>();
+  info.correlation = std::max(1.0, double{in.getFloat()});
   for (double* value :
        {&info.origin[0], &info.origin[1], &info.origin[2], &info.scale, &info.diagonal,
         &info.lambda, &info.penalty, &info.t_mdl, &info.cover_radius, &info.cover_threshold}) {

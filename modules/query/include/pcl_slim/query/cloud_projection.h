@@ -48,6 +48,7 @@ struct ProjectedPoint {
   float mean_curvature = 0;       ///< 1/length, positive where the surface bends away from normal
   float gaussian_curvature = 0;   ///< 1/length^2
   PrincipalFrame principal;       ///< 1/length, same sign; k1 >= k2
+  StandardErrors errors;          ///< with ProjectionParams::errors
   /// l0 / (l0 + l1 + l2) of the covariance of the kVariationNeighbors projected points around, 0 to
   /// 1/3: what pcl::NormalEstimation writes as curvature
   float surface_variation = 0;
@@ -55,7 +56,8 @@ struct ProjectedPoint {
 
 /** \brief A cloud projected onto a surface, read point by point in the cloud's own order and units.
  *
- * Contains no points: about 51 bytes a point, 83 with principal directions, 4 more with planes. The
+ * Contains no points: about 51 bytes a point, 83 with principal directions, 4 more with planes, 12 more with standard
+ * errors. The
  * cloud behind the view must live as long as this object is read.
  */
 class PCL_SLIM_EXPORT CloudProjection {

@@ -9,6 +9,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
+#include "pcl_slim/query/standard_errors.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -18,6 +19,7 @@ struct ProjectionParams {
   bool curvature = false;    ///< also blend Hessians (eq. 8, left)
   bool directions = false;   ///< also principal curvatures and directions; implies curvature
   bool extremality = false;  ///< also their derivatives along the directions; implies directions
+  bool errors = false;       ///< also standard errors; of curvature where curvature is requested
   /// of a cloud's projection, also the plane through each projected point's neighbours: surface
   /// variation, and normals of points without support
   bool planes = false;
@@ -49,6 +51,7 @@ struct Projection {
   std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
   std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
   std::vector<PrincipalFrame> principal;        ///< if requested
+  std::vector<StandardErrors> errors;           ///< if requested; zero where unsupported
   std::vector<std::uint8_t> supported;  ///< 0: no surfel supports the point, it kept its place
   std::vector<std::uint8_t>
       inside;  ///< 0: unsupported, or beyond the surface's borders (trim maps)

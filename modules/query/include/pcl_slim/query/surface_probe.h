@@ -10,9 +10,15 @@
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/projection.h"
+#include "pcl_slim/query/standard_errors.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
+
+namespace detail {
+struct BlendRules;
+struct BlockPoints;
+}  // namespace detail
 
 /** \brief What a ProbeIndex is built for. */
 enum class ProbeUse : std::uint8_t {
@@ -26,8 +32,10 @@ enum class ProbeUse : std::uint8_t {
  * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
 class PCL_SLIM_EXPORT ProbeIndex {
  public:
-  /** \brief The surface must outlive this object. */
-  explicit ProbeIndex(const SLIMSurface& surface, ProbeUse use = ProbeUse::kSamples);
+  /** \brief The surface must outlive this object. \param[in] errors whether requests for standard
+   * errors are possible */
+  explicit ProbeIndex(const SLIMSurface& surface, ProbeUse use = ProbeUse::kSamples,
+                      bool errors = false);
   ~ProbeIndex();
   ProbeIndex(const ProbeIndex&) = delete;
   ProbeIndex& operator=(const ProbeIndex&) = delete;
@@ -48,6 +56,7 @@ struct ProbeSample {
   Vector3 position{};      ///< on the surface
   Vector3 normal{};        ///< unit
   PrincipalFrame frame;    ///< k1 and k2; directions and extremalities if requested
+  StandardErrors errors;   ///< if requested, local units
   double outside = 0;      ///< blended outsideShare() of the trim maps: the surface ends at 1/2
 };
 
@@ -74,6 +83,7 @@ struct ProbeRequest {
   std::size_t with_directions = 0;     ///< number of the first positions that get directions
   bool extremality = false;            ///< and their extremalities too
   bool curvature = true;               ///< false: positions and normals only
+  bool errors = false;                 ///< and standard errors; needs a ProbeIndex with errors
   Vector3 side{};                  ///< leaves that face away from it do not count; zero: all count
   const Vector3* sides = nullptr;  ///< one for each position, in place of side
 };
@@ -130,6 +140,8 @@ class PCL_SLIM_EXPORT SurfaceProbe {
   void cover(const Vector3& low, const Vector3& high);
   void load(const Vector3* positions, std::size_t count);
   bool loadSides(const ProbeRequest& request);
+  void addErrors(const detail::BlockPoints& points, const detail::BlendRules& rules,
+                 const ProbeRequest& request, ProbeSample* samples);
   void finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const;
   void finishThird(std::size_t i, ProbeSample& sample) const;
 

@@ -43,6 +43,7 @@ struct SurfaceInfo {
   double scale = 1.0;               ///< world units per local unit, a power of two: exact both ways
   double diagonal = 1.0;            ///< main diagonal L of the input's bounding box, local units
   double lambda = 0.0;              ///< noise variance [L^2]
+  double correlation = 1.0;         ///< tau: points that share an error; 1: independent errors
   double penalty = 3.0;             ///< kappa of the penalty kappa lambda P / n_eff (0: unused)
   double t_mdl = 0.0;               ///< T_MDL of the paper's penalty (0: unused)
   double cover_radius = 2.0 / 3.0;  ///< alpha: leaves cover within alpha * r
