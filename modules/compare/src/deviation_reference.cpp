@@ -29,11 +29,9 @@ Vector3 sideOf(const DeviationPlaces& places, std::size_t i) {
   return {places.normals[i][0], places.normals[i][1], places.normals[i][2]};
 }
 
-/** Whether a foot is on the other side of a wall, from the nearest place of all. */
-bool hiddenBehind(const Vector3& side, const Vector3& nearest_normal, bool place_in_front,
-                  double distance) {
-  const double cosine = dot(normalized(side), nearest_normal);
-  return cosine < kWallCosine && place_in_front != (distance >= 0);
+/** Whether a place's side faces away from the nearest place of all as from the other side of a wall. */
+bool facesWall(const Vector3& side, const Vector3& nearest_normal) {
+  return dot(normalized(side), nearest_normal) < kWallCosine;
 }
 
 }  // namespace
@@ -83,13 +81,12 @@ ReferenceFoot DeviationReference::Data::footOnMesh(const Vector3& place, const V
       return made;
     }
     hints[1] = foot.triangle;
-    // Beside an edge both sides of which are near, the nearest place of all knows in from out.
-    if (foot.part != TrianglePart::kFace && !nearest.border) {
+    if (!nearest.border && facesWall(side, nearest.normal)) {
+      const bool same_side = (nearest.distance >= 0) == (foot.distance >= 0);
+      if (!same_side) made.state = FootState::kHidden;
+    } else if (!nearest.border && foot.part != TrianglePart::kFace) {
+      // Beside a sharp edge the nearest place of all knows in from out.
       foot.distance = std::copysign(foot.distance, nearest.distance);
-    }
-    if (!nearest.border &&
-        hiddenBehind(side, nearest.normal, nearest.distance >= 0, foot.distance)) {
-      made.state = FootState::kHidden;
     }
   }
   if (foot.border) made.state = FootState::kBorder;
@@ -109,11 +106,10 @@ ReferenceFoot DeviationReference::Data::worldFoot(const Vector3& local, const Ve
   }
   const SurfaceFoot& foot = found.foot;
   made.state = foot.border ? FootState::kBorder : FootState::kFound;
-  if (!found.faces && !found.nearest.border && !foot.border) {
-    const bool in_front = dot(subtract(local, found.nearest.position), found.nearest.normal) >= 0;
-    if (hiddenBehind(side, found.nearest.normal, in_front, foot.distance)) {
-      made.state = FootState::kHidden;
-    }
+  const bool wall = !found.faces && !found.nearest.border && facesWall(side, found.nearest.normal);
+  if (wall && !foot.border) {
+    const double before = dot(subtract(local, found.nearest.position), found.nearest.normal);
+    if ((before >= 0) != (foot.distance >= 0)) made.state = FootState::kHidden;
   }
   const double scale = surface->info.scale;
   made.distance = foot.distance * scale;

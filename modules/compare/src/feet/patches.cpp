@@ -13,10 +13,12 @@ namespace {
 constexpr int kMostSteps = 5;
 constexpr double kConverged = 3e-3;  ///< [r] the place that follows so short a step is good enough
 
-/** A place over the disc: coordinates and the jet of the height there, in radii. */
+/** A place of a patch: coordinates and the jet of the height there, in radii. */
 struct DiscPlace {
   double u = 0, v = 0;
   HeightJet jet;
+
+  double lengthSq() const { return u * u + v * v + jet.h * jet.h; }
 };
 
 void clampToDisc(double reach, double& u, double& v) {
@@ -29,6 +31,21 @@ void clampToDisc(double reach, double& u, double& v) {
 
 DiscPlace placeAt(const Patch& patch, double u, double v) {
   return {u, v, evaluateJet(patch.degree, patch.coefficients, u, v)};
+}
+
+/** Brings a place into the ball where the patch is so steep that it leaves it over the disc. */
+DiscPlace insideBall(const Patch& patch, const DiscPlace& at) {
+  const double reach_sq = patch.reach * patch.reach;
+  if (!(at.lengthSq() > reach_sq * (1 + 1e-9))) return at;
+  double low = 0, high = 1;
+  constexpr int kHalvings = 5;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double share = 0.5 * (low + high);
+    const double h = evaluateHeight(patch.degree, patch.coefficients, share * at.u, share * at.v);
+    const double flat_sq = share * share * (at.u * at.u + at.v * at.v);
+    (flat_sq + h * h > reach_sq ? high : low) = share;
+  }
+  return placeAt(patch, low * at.u, low * at.v);
 }
 
 /** Half the squared distance's gradient over its Hessian at a place; where that Hessian is not
@@ -96,7 +113,8 @@ TreeItem hullOf(const Patch& patch) {
     for (int k = 0; k < (ring == 0 ? 1 : kDirections); ++k) {
       const double angle = 2 * 3.14159265358979323846 * k / kDirections;
       const double s = patch.reach * ring / kRings;
-      feet.push_back(footAt(patch, placeAt(patch, s * std::cos(angle), s * std::sin(angle)), {}));
+      const DiscPlace at = placeAt(patch, s * std::cos(angle), s * std::sin(angle));
+      feet.push_back(footAt(patch, insideBall(patch, at), {}));
     }
   }
   TreeItem item;
@@ -133,6 +151,7 @@ PatchIndex::PatchIndex(const SLIMSurface& surface, int threads) {
               LocalFrame(normalized({surface.nx[i], surface.ny[i], surface.nz[i]})),
               surface.radius[i],
               std::min(1.0, surface.info.cover_radius),
+              surface.error[i],
               surface.degree[i],
               surface.coefficientsOf(i),
               surface.trimMap(i)};
@@ -172,6 +191,7 @@ PatchFoot nearestOnPatch(const Patch& patch, const Vector3& place) {
     }
     if (std::abs(u - from_u) + std::abs(v - from_v) < kConverged) break;
   }
+  best = insideBall(patch, best);
   if (patch.trim.closed() || !(outsideShare(patch.trim, best.u, best.v) > 0.5)) {
     return footAt(patch, best, place);
   }

@@ -12,12 +12,13 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A leaf's polynomial over the disc within which leaves cover points. */
+/** \brief A leaf's polynomial in the ball within which leaves cover points. */
 struct Patch {
   Vector3 center;
   LocalFrame frame;
   double radius;
-  double reach;  ///< of the disc [radii]
+  double reach;  ///< of that ball [radii]
+  double error;  ///< RMS residual of its fit
   int degree;
   const float* coefficients;
   TrimMap trim;
@@ -28,7 +29,7 @@ struct PatchFoot {
   double distance_sq = Bounds::kInfinity;  ///< infinite: the patch has no place
   Vector3 position{};
   Vector3 normal{};     ///< unit
-  bool border = false;  ///< the nearest place of the disc is outside of the data
+  bool border = false;  ///< the nearest place of the ball is outside of the data
 };
 
 /** \brief A surface's patches in the order of a tree over their boxes and normals. */
@@ -41,7 +42,7 @@ struct PatchIndex {
 };
 
 /** \brief The place of a patch that is nearest to a place: Newton's method for the squared distance,
- * which stays in the disc. Where the place found is outside of the data, as the trim map has them,
+ * which stays in the ball. Where the place found is outside of the data, as the trim map has them,
  * the node of the map inside that is nearest to it. O(1); O(nodes) beyond borders. Exact to a
  * hundredth of a radius, which is enough to choose a patch and to begin on the blended surface. */
 PatchFoot nearestOnPatch(const Patch& patch, const Vector3& place);

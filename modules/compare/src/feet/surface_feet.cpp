@@ -14,7 +14,12 @@ constexpr double kLongestStep = 0.5;  ///< [r]
 constexpr double kFlatDistance =
     0.05;  ///< [r] nearer to the surface its curvature has no influence
 constexpr double kLeastFactor =
-    0.2;                             ///< of 1 + distance curvature, next to the centre of curvature
+    0.2;                        ///< of 1 + distance curvature, next to the centre of curvature
+constexpr double kDoubt = 2.0;  ///< [e] by which a patch with residuals e is farther away
+constexpr double kInner = 0.9;  ///< of a patch's reach: its leaf covers places within
+/** Coverage of places of the surface; that of exact tori is above .002, and 0 where a polynomial has
+ * left its points. */
+constexpr double kLeastCoverage = 3e-4;
 constexpr double kGroupWidth = 2.0;  ///< [r] places in one request are no farther apart
 
 /** A step in the tangent plane, by the curvatures of parallel surfaces: a step on the surface moves
@@ -41,55 +46,94 @@ void FootFinder::restart() {
   probe_.restart(0);
 }
 
-FootFinder::Start FootFinder::nearest(const Vector3& place, const Vector3* side, double bound,
-                                      std::uint32_t hint) const {
+/** The nearest patch but for those that are excluded, where a patch's errors count as distance: beside
+ * a sharp edge a polynomial leaves its points by about that much. */
+FootFinder::Start FootFinder::nearest(const Vector3& place, const Vector3* side, double most,
+                                      std::uint32_t hint, const Search& search) const {
   Start best{hint, {}};
+  double bound = Bounds::kInfinity;
+  const auto excluded_end = search.excluded.begin() + search.num_excluded;
   const auto visit = [&](std::uint32_t j) {
-    const PatchFoot foot = nearestOnPatch(index_.patches.patches[j], place);
-    const bool faces = !side || dot(foot.normal, *side) > 0;
-    if (faces && foot.distance_sq < best.foot.distance_sq) {
-      const double distance = std::sqrt(foot.distance_sq);
-      if (distance <= bound) {
-        best = {j, foot};
-        bound = distance;
-      }
+    if (std::find(search.excluded.begin(), excluded_end, j) != excluded_end) return bound;
+    const Patch& patch = index_.patches.patches[j];
+    const PatchFoot foot = nearestOnPatch(patch, place);
+    if (side && !(dot(foot.normal, *side) > 0)) return bound;
+    const double distance = std::sqrt(foot.distance_sq);
+    if (distance <= most && distance + kDoubt * patch.error < bound) {
+      best = {j, foot};
+      bound = distance + kDoubt * patch.error;
     }
     return bound;
   };
   visit(hint);
-  index_.patches.tree.search(place, side, bound, visit);
+  index_.patches.tree.search(place, side, std::min(bound, most), visit);
   return best;
 }
 
-void FootFinder::find(const FeetRequest& request, std::array<SidedFeet, FeetRequest::kMost>& feet) {
-  num_walks_ = 0;
-  for (std::size_t i = 0; i < request.count; ++i) {
-    const Vector3& place = request.places[i];
-    const Vector3& side = request.sides[i];
-    SidedFeet& found = feet[i];
-    found = SidedFeet();
-    Start start = nearest(place, nullptr, request.max_distance, hint_);
-    if (!(start.foot.distance_sq < Bounds::kInfinity)) continue;
+/** Places a walk at the nearest patch. \return whether there is one. */
+bool FootFinder::start(const FeetRequest& request, std::size_t i, SidedFeet& found) {
+  const Vector3 &place = request.places[i], &side = request.sides[i];
+  Search& search = searches_[i];
+  Start start;
+  if (!search.sided) {
+    start = nearest(place, nullptr, request.max_distance, hint_, search);
+    if (!(start.foot.distance_sq < Bounds::kInfinity)) return false;
     hint_ = start.patch;
-    const bool sided = dot(side, side) > 0;
-    found.faces = !sided || dot(start.foot.normal, side) > 0;
-    if (!found.faces) {
-      found.nearest = start.foot;
-      start = nearest(place, &side, request.max_distance, side_hint_);
-      if (!(start.foot.distance_sq < Bounds::kInfinity)) continue;
-      side_hint_ = start.patch;
-    }
-    Walk& walk = walks_[num_walks_++];
-    walk = Walk{};
-    walk.place = i;
-    walk.at = start.foot.position;
-    walk.side = start.foot.normal;
-    walk.radius = index_.patches.patches[start.patch].radius;
-    walk.distance_sq = start.foot.distance_sq;
+    found.faces = !(dot(side, side) > 0) || dot(start.foot.normal, side) > 0;
+    if (!found.faces) found.nearest = start.foot;
+    search.sided = !found.faces;
   }
-  walk(request);
-  for (std::size_t k = 0; k < num_walks_; ++k) {
-    feet[walks_[k].place].foot = footOf(request.places[walks_[k].place], walks_[k]);
+  if (search.sided) {
+    start = nearest(place, &side, request.max_distance, side_hint_, search);
+    if (!(start.foot.distance_sq < Bounds::kInfinity)) return false;
+    side_hint_ = start.patch;
+  }
+  Walk& walk = walks_[num_walks_++];
+  walk = Walk{};
+  walk.place = i;
+  walk.patch = start.patch;
+  walk.at = start.foot.position;
+  walk.side = start.foot.normal;
+  walk.radius = index_.patches.patches[start.patch].radius;
+  walk.distance_sq = start.foot.distance_sq;
+  return true;
+}
+
+/** Whether a foot is on the surface, and on the place's side. */
+bool FootFinder::accept(const FeetRequest& request, const Walk& walk, const SurfaceFoot& foot) {
+  const Vector3& side = request.sides[walk.place];
+  if (searches_[walk.place].sided && !(dot(foot.normal, side) > 0)) return false;
+  if (foot.border) return true;
+  const Patch& patch = index_.patches.patches[walk.patch];
+  const Vector3 off = subtract(foot.position, patch.center);
+  const double inner = kInner * patch.reach * patch.radius;
+  if (dot(off, off) < inner * inner) return true;  // covered by this leaf alone
+  return probe_.scaleAt(foot.position, foot.normal).coverage >= kLeastCoverage;
+}
+
+void FootFinder::find(const FeetRequest& request, std::array<SidedFeet, FeetRequest::kMost>& feet) {
+  for (std::size_t i = 0; i < request.count; ++i) {
+    feet[i] = SidedFeet();
+    searches_[i] = {true, false, {}, 0};
+  }
+  for (std::size_t round = 0; round <= Search::kMost; ++round) {
+    num_walks_ = 0;
+    for (std::size_t i = 0; i < request.count; ++i) {
+      if (searches_[i].pending) searches_[i].pending = start(request, i, feet[i]);
+    }
+    if (num_walks_ == 0) return;
+    walk(request);
+    for (std::size_t k = 0; k < num_walks_; ++k) {
+      const Walk& walk = walks_[k];
+      const SurfaceFoot foot = footOf(request.places[walk.place], walk);
+      Search& search = searches_[walk.place];
+      search.pending = !accept(request, walk, foot);
+      if (!search.pending) {
+        feet[walk.place].foot = foot;
+      } else if (search.num_excluded < Search::kMost) {
+        search.excluded[search.num_excluded++] = walk.patch;
+      }
+    }
   }
 }
 

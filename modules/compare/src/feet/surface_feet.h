@@ -50,7 +50,9 @@ struct FootIndex {
 
 /** \brief Finds feet; one object a thread. The nearest patch gives the start; the foot on the blended
  * surface is where what remains to the place is along the normal: Newton steps in the tangent plane,
- * with the curvature of the surface, shortened where the distance would grow. */
+ * with the curvature of the surface, shortened where the distance would grow. A
+ * foot that no leaf covers, as where a polynomial leaves its points beside a sharp edge, or that faces
+ * away from the side after all does not count: the search goes on without the patch that led there. */
 class FootFinder {
  public:
   explicit FootFinder(const FootIndex& index) : index_(index), probe_(index.probe) {}
@@ -65,6 +67,7 @@ class FootFinder {
   /** A place on its way to its foot. */
   struct Walk {
     std::size_t place;
+    std::uint32_t patch;  ///< where it began
     Vector3 at, side;
     double radius;   ///< of the leaf where it began
     bool stands;     ///< last is valid
@@ -80,7 +83,19 @@ class FootFinder {
     PatchFoot foot;
   };
 
-  Start nearest(const Vector3& place, const Vector3* side, double bound, std::uint32_t hint) const;
+  /** What is to be found for a place, and the patches from which it was not. */
+  struct Search {
+    static constexpr std::size_t kMost = 4;
+
+    bool pending, sided;
+    std::array<std::uint32_t, kMost> excluded;
+    std::size_t num_excluded;
+  };
+
+  Start nearest(const Vector3& place, const Vector3* side, double most, std::uint32_t hint,
+                const Search& search) const;
+  bool start(const FeetRequest& request, std::size_t i, SidedFeet& found);
+  bool accept(const FeetRequest& request, const Walk& walk, const SurfaceFoot& foot);
   void walk(const FeetRequest& request);
   void evaluate(const FeetRequest& request, Walk* const* group, std::size_t count, bool curved);
   void advance(const Vector3& place, const ProbeSample& sample, bool curved, Walk& walk) const;
@@ -89,6 +104,7 @@ class FootFinder {
   const FootIndex& index_;
   SurfaceProbe probe_;
   std::uint32_t hint_ = 0, side_hint_ = 0;  ///< patches of the feet before
+  std::array<Search, FeetRequest::kMost> searches_;
   std::array<Walk, FeetRequest::kMost> walks_;
   std::size_t num_walks_ = 0;
 };
