@@ -95,6 +95,7 @@ Error Comparison::makePoints(Console& console) {
     const CloudView view = a_.view();
     CloudProjectionParams params;
     params.projection.threads = job_.carrier.threads;
+    params.projection.errors = true;
     const Result<CloudProjection> projection =
         CloudProjection::make(view, a_.surface, params, &console.progress(), &a_.store);
     if (!projection) return projection.error();

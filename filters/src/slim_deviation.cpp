@@ -81,8 +81,11 @@ Error SLIMDeviationBase::place(const Settings& settings, const CloudView& points
     surface = fitted_surface_ = std::make_shared<const SLIMSurface>(std::move(scan.surface));
   }
   const auto origin = fits ? SurfaceOrigin::kFitted : SurfaceOrigin::kGiven;
-  const Result<CloudProjection> projection = projectScan(
-      points, *surface, origin, settings.fit, {}, &control_.progress, fits ? &scan.store : nullptr);
+  ProjectionParams projecting;
+  projecting.errors = true;
+  const Result<CloudProjection> projection =
+      projectScan(points, *surface, origin, settings.fit, projecting, &control_.progress,
+                  fits ? &scan.store : nullptr);
   if (!projection) return projection.error();
   places = placesOf(points, *projection, *surface, settings.places, settings.fit.threads);
   return {};

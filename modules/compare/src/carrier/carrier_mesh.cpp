@@ -108,6 +108,7 @@ Result<CarrierMesh> carrierMeshOf(const SLIMSurface& surface, const CarrierParam
   const CloudView view = viewOf(made.mesh);
   CloudProjectionParams projecting;
   projecting.projection.threads = params.threads;
+  projecting.projection.errors = true;
   const Result<CloudProjection> projection =
       CloudProjection::make(view, surface, projecting, progress);
   if (!projection) return projection.error();

@@ -64,7 +64,9 @@ PlaceColumns placesOf(const CloudView& cloud, const CloudProjection& projection,
     if (!projection.isSupported(i)) return;
     places.normals[i] = projection.surfaceNormal(i);
     if (which == ScanPlaces::kMeasured) return;
-    places.positions[i] = projection.point(i).position;
+    const ProjectedPoint moved = projection.point(i);
+    places.positions[i] = moved.position;
+    places.sigma[i] = moved.errors.position;
   });
   return places;
 }

@@ -42,7 +42,8 @@ enum class ScanPlaces : unsigned char {
  *
  * Points that no surfel supports have their measured place, the scan's noise as their error, and no
  * normal; points that are not finite stay so.
- * \param[in] projection of the same view onto the same surface. O(points); the same for any number
+ * \param[in] projection of the same view onto the same surface, for kMoved with
+ * ProjectionParams::errors. O(points); the same for any number
  * of threads. */
 PCL_SLIM_EXPORT PlaceColumns placesOf(const CloudView& cloud, const CloudProjection& projection,
                                       const SLIMSurface& surface, ScanPlaces which,
