@@ -35,10 +35,6 @@ Vector3 curvedStep(const Vector3& tangential, double height, const PrincipalFram
   return step;
 }
 
-double standardError(const ProbeSample&) {
-  return 0;
-}
-
 }  // namespace
 
 void FootFinder::restart() {
@@ -174,6 +170,7 @@ void FootFinder::evaluate(const FeetRequest& request, Walk* const* group, std::s
   probed.sides = sides.data();
   probed.count = count;
   probed.curvature = curved;
+  probed.errors = true;
   probed.with_directions = curved ? count : 0;
   probe_.evaluate(probed, samples.data());
   for (std::size_t k = 0; k < count; ++k) {
@@ -220,7 +217,7 @@ SurfaceFoot FootFinder::footOf(const Vector3& place, const Walk& walk) {
   const Vector3 off = subtract(place, foot.position);
   const double height = dot(off, foot.normal);
   foot.distance = walk.converged ? height : std::copysign(length(off), height);
-  if (walk.stands) foot.sigma = standardError(walk.last);
+  if (walk.stands) foot.sigma = walk.last.errors.position;
   return foot;
 }
 

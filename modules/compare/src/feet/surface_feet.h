@@ -42,7 +42,7 @@ struct FeetRequest {
 /** \brief A surface whose feet are searched: patches to find the nearest one, and leaves to blend. */
 struct FootIndex {
   FootIndex(const SLIMSurface& surface, int threads)
-      : patches(surface, threads), probe(surface, ProbeUse::kExtraction) {}
+      : patches(surface, threads), probe(surface, ProbeUse::kExtraction, true) {}
 
   PatchIndex patches;
   ProbeIndex probe;
@@ -85,7 +85,7 @@ class FootFinder {
 
   /** What is to be found for a place, and the patches from which it was not. */
   struct Search {
-    static constexpr std::size_t kMost = 4;
+    static constexpr std::size_t kMost = 2;
 
     bool pending, sided;
     std::array<std::uint32_t, kMost> excluded;
