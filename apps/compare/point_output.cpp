@@ -73,10 +73,13 @@ PointFile withDeviations(const ComparedInput& a, const Comparison& comparison,
   for (const std::string& name : kDeviation) fields.emplace_back(file.cloud, name);
   const std::vector<float>& sigma = comparison.pointSigma();
   for (std::size_t i = 0; i < deviations.size(); ++i) {
-    const bool significant = deviations.classOf(i) == DeviationClass::kSignificant;
+    const DeviationClass found = deviations.classOf(i);
+    const double significant = found == DeviationClass::kSignificant ? 1.0
+                               : found == DeviationClass::kSame      ? 0.0
+                                                                     : -1.0;
     fields[0].set(i, deviations.distance[i]);
     fields[1].set(i, deviations.detection[i]);
-    fields[2].set(i, significant ? 1.0 : 0.0);
+    fields[2].set(i, significant);
     fields[3].set(i, sigma.empty() ? 0.0 : sigma[i]);
   }
   return file;

@@ -8,7 +8,7 @@
 namespace pcl_slim {
 
 /** \brief A's points, or a mesh's vertices and faces, with every field kept, and their deviations
- * in the fields deviation, level_of_detection, significant (1 or 0) and sigma_position; of a
+ * in the fields deviation, level_of_detection, significant (1, 0, or -1 without a counterpart) and sigma_position; of a
  * surface, the places of its carrier with their normals. deviation and level_of_detection are NaN
  * where there is no counterpart.
  *
