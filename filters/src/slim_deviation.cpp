@@ -153,7 +153,8 @@ Error SLIMDeviationBase::run(const Settings& settings, const CloudView& points,
   AlignmentParams aligning;
   aligning.apply = settings.align;
   aligning.registration.feet = measuring.feet;
-  aligning.registration.effective_count = independentPlaces(*surface, owner.get());
+  if (settings.places == ScanPlaces::kMoved)  // points as measured have errors of their own
+    aligning.registration.effective_count = independentPlaces(*surface, owner.get());
   const Result<Alignment> alignment = alignmentOf(*to, own, aligning, &control_.progress);
   if (!alignment) return alignment.error();
   registration_ = alignment->registration;

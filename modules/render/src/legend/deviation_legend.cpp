@@ -18,7 +18,7 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr double kPalest = 0.3;  ///< of the diverging map: the smallest significant deviation
+constexpr double kPalest = 0.22;  ///< of the diverging map: the smallest significant deviation
 constexpr double kShownShare = 0.95, kLeastLevels = 2.0;
 
 /** \brief The next number of 1, 1.5, 2, 3, 5, 7 times a power of ten. */
