@@ -23,6 +23,9 @@ class Projection(NamedTuple):
     k2: _Floats
     distance: _Doubles
     side: NDArray[numpy.int8]
+    sigma: _Floats
+    sigma_normal: _Floats
+    sigma_curvature: _Floats
 
 class Curvature(NamedTuple):
     k1: _Floats

@@ -74,11 +74,12 @@ UpAxis axisOf(const std::string& name) {
 /** None, X or (LO, HI). */
 std::array<double, 2> rangeOf(const py::object& given, const std::string& mode) {
   if (given.is_none()) return {};
+  const bool from_zero = mode == "error" || mode == "uncertainty";
   try {
-    const auto ends = py::isinstance<py::sequence>(given)
-                          ? given.cast<std::array<double, 2>>()
-                          : std::array<double, 2>{mode == "error" ? 0 : -given.cast<double>(),
-                                                  given.cast<double>()};
+    const auto ends =
+        py::isinstance<py::sequence>(given)
+            ? given.cast<std::array<double, 2>>()
+            : std::array<double, 2>{from_zero ? 0 : -given.cast<double>(), given.cast<double>()};
     if (std::isfinite(ends[0]) && std::isfinite(ends[1]) && ends[0] < ends[1]) return ends;
   } catch (const py::cast_error&) {
   }
@@ -158,7 +159,7 @@ ChosenView ViewRequest::viewOf(const BoundingSpheres& object, double right_margi
 void PictureRequest::take(Keywords& keywords) {
   mode = keywords.takeWord("mode",
                            {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level",
-                            "size", "error", "reflection", "color", "raytraced"},
+                            "size", "error", "reflection", "color", "uncertainty", "raytraced"},
                            "auto");
   shading.range = rangeOf(keywords.take("range"), mode);
   const std::string map = keywords.takeWord("map", {"auto", "diverging", "perceptual"}, "auto");

@@ -36,6 +36,11 @@ def test_projection_is_on_the_sphere(ball):
     np.testing.assert_allclose(got.distance, moved, rtol=0, atol=1e-12)
     outside = np.einsum("ij,ij->i", points - got.positions, got.normals.astype(float)) > 0
     np.testing.assert_array_equal(got.side, np.where(outside, 1, -1))
+    off = np.abs(np.linalg.norm(got.positions, axis=1) - 1)
+    assert 0.9 < np.mean(off <= 1.96 * got.sigma) < 0.995
+    turned = np.arccos(np.clip(np.sum(got.normals * directions, axis=1), -1, 1))
+    assert 0.9 < np.mean(turned <= 1.731 * got.sigma_normal)
+    assert 0.85 < np.mean(np.abs((got.k1 + got.k2) / 2 - 1) <= 1.96 * got.sigma_curvature)
 
 
 def test_places_away_from_the_surface(ball):

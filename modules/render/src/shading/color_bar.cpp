@@ -43,6 +43,7 @@ std::string barTitle(ShadingMode mode) {
     case ShadingMode::kKMax: return "largest curvature";
     case ShadingMode::kKMin: return "smallest curvature";
     case ShadingMode::kError: return "residual";
+    case ShadingMode::kUncertainty: return "standard error";
     case ShadingMode::kLevel: return "level";
     default: return "radius";
   }
@@ -53,7 +54,8 @@ std::string barUnit(ShadingMode mode, const std::string& unit) {
   switch (mode) {
     case ShadingMode::kGaussian: return "1/" + length + "²";
     case ShadingMode::kSize:
-    case ShadingMode::kError: return length;
+    case ShadingMode::kError:
+    case ShadingMode::kUncertainty: return length;
     case ShadingMode::kLevel: return "";
     default: return "1/" + length;
   }
