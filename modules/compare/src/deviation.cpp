@@ -65,9 +65,8 @@ Error measureDeviations(const DeviationReference& reference, const DeviationPlac
     deviations.offset.assign(n, {kUnknown, kUnknown, kUnknown});
     deviations.normal.assign(n, {0, 0, 0});
   };
-  fill();
   const Error error = reference.forEach(
-      places, params.feet,
+      places, params.feet, fill,
       [&](std::size_t i, const ReferenceFoot& foot) {
         deviations.state[i] = foot.state;
         if (foot.state != FootState::kFound) return;

@@ -179,68 +179,91 @@ std::size_t DeviationReference::memoryBytes() const {
   }
   const PatchIndex& patches = data_->feet->patches;
   return data_->feet->probe.memoryBytes() + patches.tree.memoryBytes() +
-         patches.patches.size() * sizeof(Patch);
+         patches.patches.size() * sizeof(LeafPatch);
+}
+
+/** Finds the feet of runs of places, in an order. */
+struct DeviationReference::Run {
+  const Data& data;
+  const DeviationPlaces& places;
+  const Visitor& visitor;
+  const AlignedVector<std::uint32_t>& order;
+  bool sided;           ///< sides of places count
+  double max_distance;  ///< may be infinite
+
+  Vector3 sideAt(std::uint32_t i) const { return sided ? sideOf(places, i) : Vector3{}; }
+  void onMesh(std::size_t begin, std::size_t end) const;
+  void onSurface(std::size_t begin, std::size_t end, FootFinder& finder) const;
+  void give(std::uint32_t i, ReferenceFoot foot) const;
+};
+
+/** Hands a foot out; where the reference has no side, on that of the place's normal. */
+void DeviationReference::Run::give(std::uint32_t i, ReferenceFoot foot) const {
+  if (!data.oriented && dot(sideOf(places, i), foot.normal) < 0) {
+    foot.normal = scaled(foot.normal, -1);
+    foot.distance = -foot.distance;
+  }
+  visitor.take(visitor.body, i, foot);
+}
+
+void DeviationReference::Run::onMesh(std::size_t begin, std::size_t end) const {
+  std::uint32_t hints[2] = {TriangleFoot::kNone, TriangleFoot::kNone};
+  for (std::size_t j = begin; j < end; ++j) {
+    const std::uint32_t i = order[j];
+    give(i, data.footOnMesh(places.positions[i], sideAt(i), max_distance, hints));
+  }
+}
+
+void DeviationReference::Run::onSurface(std::size_t begin, std::size_t end,
+                                        FootFinder& finder) const {
+  finder.restart();
+  FeetRequest request;
+  std::array<SidedFeet, FeetRequest::kMost> found;
+  request.max_distance = max_distance / data.surface->info.scale;
+  for (std::size_t j = begin; j < end; j += request.count) {
+    request.count = std::min(FeetRequest::kMost, end - j);
+    for (std::size_t k = 0; k < request.count; ++k) {
+      request.places[k] = data.toLocal(places.positions[order[j + k]]);
+      request.sides[k] = sideAt(order[j + k]);
+    }
+    finder.find(request, found);
+    for (std::size_t k = 0; k < request.count; ++k) {
+      give(order[j + k], data.worldFoot(request.places[k], request.sides[k], found[k]));
+    }
+  }
 }
 
 Error DeviationReference::visit(const DeviationPlaces& places, const FootParams& params,
-                                Visitor visitor, const void* body, Progress* progress) const {
+                                const Visitor& visitor, Progress* progress) const {
   if (Error error = params.validate()) return error;
   const int threads = resolveThreads(params.threads);
   std::size_t finite = 0;
   const auto order = mortonOrder(places.positions, places.count, threads, finite);
+  visitor.prepare(visitor.body);
   const Data& d = *data_;
-  const bool sided = params.sides && places.oriented && d.oriented;
-  const double most = params.max_distance > 0 ? params.max_distance : Bounds::kInfinity;
+  const Run run{d,
+                places,
+                visitor,
+                order,
+                params.sides && places.oriented && d.oriented,
+                params.max_distance > 0 ? params.max_distance : Bounds::kInfinity};
   std::deque<FootFinder> finders;
   for (int t = 0; t < threads && d.feet; ++t) finders.emplace_back(*d.feet);
-  const auto give = [&](std::size_t i, ReferenceFoot foot) {
-    const Vector3 own = sideOf(places, i);
-    if (!d.oriented && dot(own, foot.normal) < 0) {
-      foot.normal = scaled(foot.normal, -1);
-      foot.distance = -foot.distance;
-    }
-    visitor(body, i, foot);
-  };
-  const auto onMesh = [&](std::size_t begin, std::size_t end) {
-    std::uint32_t hints[2] = {TriangleFoot::kNone, TriangleFoot::kNone};
-    for (std::size_t j = begin; j < end; ++j) {
-      const std::uint32_t i = order[j];
-      const Vector3 side = sided ? sideOf(places, i) : Vector3{};
-      give(i, d.footOnMesh(places.positions[i], side, most, hints));
-    }
-  };
-  const auto onSurface = [&](std::size_t begin, std::size_t end, FootFinder& finder) {
-    finder.restart();
-    FeetRequest request;
-    std::array<SidedFeet, FeetRequest::kMost> found;
-    request.max_distance = most / d.surface->info.scale;
-    for (std::size_t j = begin; j < end; j += request.count) {
-      request.count = std::min(FeetRequest::kMost, end - j);
-      for (std::size_t k = 0; k < request.count; ++k) {
-        request.places[k] = d.toLocal(places.positions[order[j + k]]);
-        request.sides[k] = sided ? sideOf(places, order[j + k]) : Vector3{};
-      }
-      finder.find(request, found);
-      for (std::size_t k = 0; k < request.count; ++k) {
-        give(order[j + k], d.worldFoot(request.places[k], request.sides[k], found[k]));
-      }
-    }
-  };
   for (std::size_t slice = 0; slice < finite; slice += kSlice) {
     if (progress) {
       if (progress->cancelled()) return {ErrorCode::kCancelled, "cancelled"};
       progress->report(static_cast<float>(slice) / static_cast<float>(finite), "distances");
     }
     const std::size_t stop = std::min(finite, slice + kSlice);
-    parallelFor((stop - slice + kRun - 1) / kRun, threads, 1, [&](std::size_t run, int thread) {
-      const std::size_t begin = slice + run * kRun, end = std::min(stop, begin + kRun);
-      if (d.feet) return onSurface(begin, end, finders[static_cast<std::size_t>(thread)]);
-      onMesh(begin, end);
+    parallelFor((stop - slice + kRun - 1) / kRun, threads, 1, [&](std::size_t k, int thread) {
+      const std::size_t begin = slice + k * kRun, end = std::min(stop, begin + kRun);
+      if (d.feet) return run.onSurface(begin, end, finders[static_cast<std::size_t>(thread)]);
+      run.onMesh(begin, end);
     });
   }
   ReferenceFoot none;
   none.state = FootState::kNotFinite;
-  for (std::size_t j = finite; j < places.count; ++j) visitor(body, order[j], none);
+  for (std::size_t j = finite; j < places.count; ++j) visitor.take(visitor.body, order[j], none);
   return {};
 }
 

@@ -22,8 +22,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kLeastPlaces = 6;
-constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;  // [deviations] 95 % efficient for normal errors
-constexpr double kMadToDeviation = 1.4826;        // of a normal distribution
+constexpr double kHuberLimit = 1.345,
+                 kTukeyLimit = 4.685;       // [deviations] 95 % efficient for normal errors
+constexpr double kMadToDeviation = 1.4826;  // of a normal distribution
 /** Of the standard error of a mode: a step so short ends the iteration. */
 constexpr double kConverged = 0.02;
 

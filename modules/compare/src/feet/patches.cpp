@@ -29,12 +29,12 @@ void clampToDisc(double reach, double& u, double& v) {
   v *= scale;
 }
 
-DiscPlace placeAt(const Patch& patch, double u, double v) {
+DiscPlace placeAt(const LeafPatch& patch, double u, double v) {
   return {u, v, evaluateJet(patch.degree, patch.coefficients, u, v)};
 }
 
 /** Brings a place into the ball where the patch is so steep that it leaves it over the disc. */
-DiscPlace insideBall(const Patch& patch, const DiscPlace& at) {
+DiscPlace insideBall(const LeafPatch& patch, const DiscPlace& at) {
   const double reach_sq = patch.reach * patch.reach;
   if (!(at.lengthSq() > reach_sq * (1 + 1e-9))) return at;
   double low = 0, high = 1;
@@ -69,7 +69,7 @@ std::array<double, 2> newtonStep(const DiscPlace& at, double a, double b, double
 }
 
 /** The node inside the data and the disc that is nearest to a place of the plane. */
-bool nearestInside(const Patch& patch, double& u, double& v) {
+bool nearestInside(const LeafPatch& patch, double& u, double& v) {
   const int side = patch.trim.side;
   const double step = 2.0 / (side - 1);
   double best = Bounds::kInfinity, best_u = 0, best_v = 0;
@@ -90,7 +90,7 @@ bool nearestInside(const Patch& patch, double& u, double& v) {
   return best < Bounds::kInfinity;
 }
 
-PatchFoot footAt(const Patch& patch, const DiscPlace& at, const Vector3& place) {
+PatchFoot footAt(const LeafPatch& patch, const DiscPlace& at, const Vector3& place) {
   PatchFoot foot;
   const LocalFrame& f = patch.frame;
   const double r = patch.radius;
@@ -103,7 +103,7 @@ PatchFoot footAt(const Patch& patch, const DiscPlace& at, const Vector3& place) 
 }
 
 /** The box and the normals of a patch, from places on rings. */
-TreeItem hullOf(const Patch& patch) {
+TreeItem hullOf(const LeafPatch& patch) {
   constexpr int kDirections = 16, kRings = 3;
   // Of what is between the places: a chord of a ring is 2 % of its radius inside.
   constexpr double kMargin = 0.04;  // [r]
@@ -143,7 +143,7 @@ TreeItem hullOf(const Patch& patch) {
 
 PatchIndex::PatchIndex(const SLIMSurface& surface, int threads) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
-  std::vector<Patch> all(leaves.size());
+  std::vector<LeafPatch> all(leaves.size());
   std::vector<TreeItem> items(leaves.size());
   parallelFor(leaves.size(), threads, 256, [&](std::size_t j, int) {
     const std::uint32_t i = leaves[j];
@@ -166,7 +166,7 @@ PatchIndex::PatchIndex(const SLIMSurface& surface, int threads) {
   for (const std::uint32_t j : tree.order()) patches.push_back(all[j]);
 }
 
-PatchFoot nearestOnPatch(const Patch& patch, const Vector3& place) {
+PatchFoot nearestOnPatch(const LeafPatch& patch, const Vector3& place) {
   const Vector3 off = scaled(subtract(place, patch.center), 1 / patch.radius);
   const double a = dot(off, patch.frame.u), b = dot(off, patch.frame.v),
                c = dot(off, patch.frame.w);

@@ -13,7 +13,7 @@
 namespace pcl_slim::detail {
 
 /** \brief A leaf's polynomial in the ball within which leaves cover points. */
-struct Patch {
+struct LeafPatch {
   Vector3 center;
   LocalFrame frame;
   double radius;
@@ -36,7 +36,7 @@ struct PatchFoot {
 struct PatchIndex {
   explicit PatchIndex(const SLIMSurface& surface, int threads);
 
-  std::vector<Patch> patches;
+  std::vector<LeafPatch> patches;
   BoxTree tree;
   Bounds bounds;  ///< of all patches
 };
@@ -45,6 +45,6 @@ struct PatchIndex {
  * which stays in the ball. Where the place found is outside of the data, as the trim map has them,
  * the node of the map inside that is nearest to it. O(1); O(nodes) beyond borders. Exact to a
  * hundredth of a radius, which is enough to choose a patch and to begin on the blended surface. */
-PatchFoot nearestOnPatch(const Patch& patch, const Vector3& place);
+PatchFoot nearestOnPatch(const LeafPatch& patch, const Vector3& place);
 
 }  // namespace pcl_slim::detail

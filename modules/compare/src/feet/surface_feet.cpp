@@ -51,7 +51,7 @@ FootFinder::Start FootFinder::nearest(const Vector3& place, const Vector3* side,
   const auto excluded_end = search.excluded.begin() + search.num_excluded;
   const auto visit = [&](std::uint32_t j) {
     if (std::find(search.excluded.begin(), excluded_end, j) != excluded_end) return bound;
-    const Patch& patch = index_.patches.patches[j];
+    const LeafPatch& patch = index_.patches.patches[j];
     const PatchFoot foot = nearestOnPatch(patch, place);
     if (side && !(dot(foot.normal, *side) > 0)) return bound;
     const double distance = std::sqrt(foot.distance_sq);
@@ -100,7 +100,7 @@ bool FootFinder::accept(const FeetRequest& request, const Walk& walk, const Surf
   const Vector3& side = request.sides[walk.place];
   if (searches_[walk.place].sided && !(dot(foot.normal, side) > 0)) return false;
   if (foot.border) return true;
-  const Patch& patch = index_.patches.patches[walk.patch];
+  const LeafPatch& patch = index_.patches.patches[walk.patch];
   const Vector3 off = subtract(foot.position, patch.center);
   const double inner = kInner * patch.reach * patch.radius;
   if (dot(off, off) < inner * inner) return true;  // covered by this leaf alone

@@ -61,7 +61,7 @@ struct TriangleIndexStatistics {
  * and pass on the normals of their neighbours.
  *
  * A tree of boxes, eight children a node, made by the surface area heuristic (Wald, On fast
- * construction of SAH-based bounding volume hierarchies, 2007): O(T log T) time and some 170 bytes a
+ * construction of SAH-based bounding volume hierarchies, 2007): O(T log T) time and some 250 bytes a
  * triangle. A search is O(log T) for places near the mesh. The mesh is copied. Searches may run in
  * any number of threads. */
 class PCL_SLIM_EXPORT TriangleIndex {
