@@ -19,7 +19,7 @@ double ComparedInput::independentPlaces() const {
 }
 
 Result<DeviationReference> ComparedInput::reference(int threads) const {
-  return isMesh() ? DeviationReference::make(mesh, {}, threads)
+  return isMesh() ? DeviationReference::make(mesh, mesh.sigma, threads)
                   : DeviationReference::make(surface, threads);
 }
 

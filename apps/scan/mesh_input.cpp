@@ -25,7 +25,8 @@ TriangleMesh triangleMeshOf(const CloudFile& cloud) {
     mesh.colors.push_back({bgr[2], bgr[1], bgr[0]});
   }
   const PointTable& table = cloud.file.cloud;
-  for (const auto& [name, column] : {std::pair{"k1", &mesh.k1}, std::pair{"k2", &mesh.k2}}) {
+  for (const auto& [name, column] : {std::pair{"k1", &mesh.k1}, std::pair{"k2", &mesh.k2},
+                                     std::pair{"sigma_position", &mesh.sigma}}) {
     const int field = findField(table, name);
     for (std::size_t i = 0; field >= 0 && i < view.size; ++i)
       column->push_back(

@@ -7,8 +7,8 @@
 
 namespace pcl_slim {
 
-/** \brief The vertices of a file with faces, with normals of the file or of its faces, colours and
- * curvatures where there are any, and the faces cut to triangles from their first corners.
+/** \brief The vertices of a file with faces, with normals of the file or of its faces, colours,
+ * curvatures and standard errors (sigma_position) where there are any, and the faces cut to triangles from their first corners.
  * O(faces). */
 TriangleMesh triangleMeshOf(const CloudFile& cloud);
 

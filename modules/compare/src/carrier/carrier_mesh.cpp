@@ -131,11 +131,13 @@ Result<CarrierMesh> carrierMeshOf(const TriangleMesh& mesh, const CarrierParams&
   CarrierMesh made;
   made.mesh.vertices = mesh.vertices;
   made.mesh.triangles = mesh.triangles;
+  if (mesh.sigma.size() == mesh.vertices.size()) made.mesh.sigma = mesh.sigma;
   made.area = areaOf(mesh);
   made.longest_edge = std::max(params.longest_edge, edgeFor(made.area, params.most_places));
   if (Error error = complete(made)) return error;
   made.places.positions = made.mesh.vertices;
   made.places.normals = made.mesh.normals = normalsOf(made.mesh);
+  made.places.sigma = made.mesh.sigma;
   made.places.oriented = index->statistics().oriented();
   return made;
 }

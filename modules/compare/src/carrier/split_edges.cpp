@@ -51,6 +51,7 @@ class Round {
   void addMiddle(std::uint32_t a, std::uint32_t b) {
     const Vector3 first = mesh_.vertices[a], second = mesh_.vertices[b];
     mesh_.vertices.push_back(along(first, 0.5, subtract(second, first)));
+    if (!mesh_.sigma.empty()) mesh_.sigma.push_back(0.5f * (mesh_.sigma[a] + mesh_.sigma[b]));
     if (mesh_.normals.empty()) return;
     const auto &m = mesh_.normals[a], &n = mesh_.normals[b];
     const Vector3 sum = normalized({double{m[0]} + n[0], double{m[1]} + n[1], double{m[2]} + n[2]});

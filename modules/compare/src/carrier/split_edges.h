@@ -8,8 +8,8 @@ namespace pcl_slim::detail {
 /** \brief Divides edges above a length at their middles, again and again, until none is longer.
  *
  * Triangles that share an edge share its middle, so that no gap opens. A triangle becomes two, three
- * or four. Vertices keep their order, new ones follow; their normals are the mean of both ends'.
- * Colours and curvatures are dropped. O(edges made). \param[in] longest [world units], > 0 */
+ * or four. Vertices keep their order, new ones follow; their normals and standard errors are
+ * the mean of both ends'. Colours and curvatures are dropped. O(edges made). \param[in] longest [world units], > 0 */
 void splitLongEdges(double longest, TriangleMesh& mesh);
 
 /** \brief Area of all triangles [world units squared]. O(triangles). */

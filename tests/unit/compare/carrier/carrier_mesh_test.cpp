@@ -85,6 +85,18 @@ TEST(CarrierMesh, DividesEdgesWithoutGaps) {
   }
 }
 
+TEST(CarrierMesh, KeepsTheStandardErrorsOfAMesh) {
+  TriangleMesh mesh = unitSquare();
+  mesh.sigma = {0.1f, 0.1f, 0.3f, 0.3f};
+  CarrierParams params;
+  params.longest_edge = 0.2;
+  const auto made = carrierMeshOf(mesh, params);
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_EQ(made->places.sigma.size(), made->places.size());
+  for (std::size_t i = 0; i < made->places.size(); ++i)  // they rise linearly with y
+    EXPECT_NEAR(made->places.sigma[i], 0.1 + 0.2 * made->places.positions[i][1], 1e-6);
+}
+
 TEST(CarrierMesh, KeepsToTheMostPlaces) {
   CarrierParams params;
   for (const std::uint64_t most : {100u, 3000u}) {

@@ -48,7 +48,7 @@ PCL_SLIM_EXPORT Result<CarrierMesh> carrierMeshOf(const SLIMSurface& surface,
                                                   Progress* progress = nullptr);
 
 /** \brief The carrier of a mesh: its own vertices, in their order, and those that divide edges above
- * the longest. All are exact, and oriented where no edge is run in the same direction by both of its
+ * the longest. They have the mesh's standard errors, or none, and are oriented where no edge is run in the same direction by both of its
  * triangles. \return an error for bad parameters, an invalid mesh, or one without area.
  * O(T log T + places). */
 PCL_SLIM_EXPORT Result<CarrierMesh> carrierMeshOf(const TriangleMesh& mesh,
