@@ -43,7 +43,7 @@ Registration registered(const DeviationReference& reference, const std::vector<V
   return made ? *made : Registration();
 }
 
-DeviationReference referenceTo(const TriangleMesh& mesh) {
+DeviationReference meshReference(const TriangleMesh& mesh) {
   Result<DeviationReference> made = DeviationReference::make(mesh, {}, 1);
   EXPECT_TRUE(made);
   return std::move(*made);
@@ -73,7 +73,7 @@ TEST(Registration, MotionsComposeAndHaveMatrices) {
 TEST(Registration, RecoversAMotionWithinItsErrors) {
   // A box has all six numbers. The error of each, over repeated noise, is what is stated.
   const TriangleMesh box = boxMesh(14, {1, 0.7, 0.4}, {1000, 2000, 30});
-  const DeviationReference reference = referenceTo(box);
+  const DeviationReference reference = meshReference(box);
   const RigidMotion motion =
       detail::rigidMotion({0.02, -0.01, 0.015}, {0.01, 0.02, -0.015}, {1000, 2000, 30});
   double squares[6] = {};
@@ -129,7 +129,7 @@ TEST(Registration, KnowsWhatAShapeDoesNotDetermine) {
     int rank;
   } bodies[] = {{plane, 3}, {trianglesOf(sphereMesh(30)), 3}, {cylinder, 4}};
   for (const auto& body : bodies) {
-    const DeviationReference reference = referenceTo(body.mesh);
+    const DeviationReference reference = meshReference(body.mesh);
     std::vector<Vector3> places = placesOn(body.mesh, 0.002, 3);
     moveBy(detail::rigidMotion({0.003, 0.004, 0.005}, {0.004, -0.003, 0.005}, {1, 1, 0}), places);
     const Registration found = registered(reference, places);
@@ -144,7 +144,7 @@ TEST(Registration, KnowsWhatAShapeDoesNotDetermine) {
     }
     EXPECT_NEAR(found.rms_after, 0.002, 4e-4);
   }
-  const DeviationReference reference = referenceTo(plane);
+  const DeviationReference reference = meshReference(plane);
   std::vector<Vector3> places = placesOn(plane, 0.001, 5);
   for (Vector3& p : places) p = along(p, 0.05, {1, 1, 1});
   const Registration found = registered(reference, places);
@@ -160,7 +160,7 @@ TEST(Registration, ALocalChangeHasNoInfluence) {
   // A tenth of the places is pushed in by 5 deviations of the noise; a least-squares fit would take
   // up a tenth of it.
   const TriangleMesh box = boxMesh(20, {1, 0.7, 0.4});
-  const DeviationReference reference = referenceTo(box);
+  const DeviationReference reference = meshReference(box);
   std::vector<Vector3> places = placesOn(box, 0.002, 9);
   std::size_t pushed = 0;
   for (Vector3& p : places) {
@@ -176,7 +176,7 @@ TEST(Registration, ALocalChangeHasNoInfluence) {
 
 TEST(Registration, ErrorsGrowWithFewerIndependentPoints) {
   const TriangleMesh box = boxMesh(8, {1, 0.7, 0.4});
-  const DeviationReference reference = referenceTo(box);
+  const DeviationReference reference = meshReference(box);
   const std::vector<Vector3> places = placesOn(box, 0.003, 1);
   RegistrationParams params;
   const Registration all = registered(reference, places, params);
@@ -217,7 +217,7 @@ TEST(Registration, OnASurfaceAndTheSameForAnyThreads) {
 }
 
 TEST(Registration, NamesWhatIsWrong) {
-  const DeviationReference reference = referenceTo(boxMesh(2, {1, 1, 1}));
+  const DeviationReference reference = meshReference(boxMesh(2, {1, 1, 1}));
   const std::vector<Vector3> few = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   DeviationPlaces places;
   places.positions = few.data();
