@@ -22,7 +22,7 @@ MOST_LINES_IN_FUNCTION = 60
 
 # What a folder may include, itself apart.
 MODULES = ("core", "cloud", "leaf", "surface", "fit", "stream", "mpi", "query", "features", "scan", "mesh",
-           "splat", "render", "web")
+           "compare", "splat", "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
@@ -35,6 +35,7 @@ ARROWS = {
     "features": ("core", "cloud", "surface", "query"),
     "scan": ("core", "cloud", "surface", "fit", "query", "features"),
     "mesh": ("core", "cloud", "surface", "fit", "query", "scan"),
+    "compare": ("core", "cloud", "leaf", "surface", "query", "mesh", "scan"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "leaf", "surface", "query", "splat", "mesh"),
     "web": ("core", "cloud", "leaf", "surface", "query", "splat", "render"),

@@ -8,8 +8,8 @@
 
 #include "borders/borders.h"
 #include "contour/contour.h"
-#include "mesh_topology.h"
 #include "pcl_slim/core/stopwatch.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "vertices/surface_vertices.h"
 
 namespace pcl_slim {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "mesh_topology.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/scan/scan.h"
 #include "pcl_slim/surface/surface.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "borders/borders.h"
-#include "mesh_topology.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 
 namespace pcl_slim::detail {
 

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
-#include "mesh_topology.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "pcl_slim/query/surface_probe.h"
 #include "pcl_slim/surface/surface.h"
 

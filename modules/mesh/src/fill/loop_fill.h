@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh_topology.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "vertices/surface_vertices.h"
 
 namespace pcl_slim::detail {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mesh_topology.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh_topology.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "support/meshes.h"
 
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "mesh_topology.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/mesh/detail/mesh_topology.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 #include "support/side_scans.h"

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/mesh_faces.h"
 
 namespace pcl_slim::detail {
@@ -29,7 +30,7 @@ struct EdgeTable {
   std::vector<MeshEdge> edges;      ///< ascending by low, then high
   std::vector<std::uint32_t> uses;  ///< 3 t + k: triangle t from its corner k to the next
 
-  EdgeTable(const std::vector<Triangle>& triangles, int threads);
+  PCL_SLIM_EXPORT EdgeTable(const std::vector<Triangle>& triangles, int threads);
 };
 
 /** Gives each fan of triangles about a vertex a vertex of its own; fans are connected across edges
@@ -52,7 +53,8 @@ void keepAlive(const std::vector<bool>& alive, std::vector<Triangle>& triangles)
 
 /** The number of each triangle's component, connected by vertices; components are numbered by their
  * first triangle. \param[out] count how many. */
-std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,
-                                        std::size_t num_vertices, std::size_t& count);
+PCL_SLIM_EXPORT std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,
+                                                        std::size_t num_vertices,
+                                                        std::size_t& count);
 
 }  // namespace pcl_slim::detail
