@@ -323,6 +323,24 @@ TEST(Deviation, HasTheSidesOfPlacesWhereTheReferenceHasNone) {
   EXPECT_FLOAT_EQ(d.distance[1], 0.1f);
 }
 
+TEST(Deviation, KnowsWhetherSidesAgree) {
+  const Fitted fit = fitted(sceneCloud(measure::Shape::kBumpy, 5000, 0.002));
+  const DeviationReference reference = referenceTo(fit.surface);
+  const Cloud cloud = sceneCloud(measure::Shape::kBumpy, 3000, 0.002);
+  Places places;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float* n = cloud.normals.data() + 3 * i;
+    const double* p = cloud.points.data() + 3 * i;
+    places.add({p[0], p[1], p[2]}, {n[0], n[1], n[2]});
+  }
+  const Result<double> same = facingShare(reference, places.view(), {});
+  ASSERT_TRUE(same);
+  EXPECT_GT(*same, 0.99);
+  for (auto& n : places.normals) n = {-n[0], -n[1], -n[2]};
+  EXPECT_LT(*facingShare(reference, places.view(), {}), 0.01);
+  EXPECT_TRUE(std::isnan(*facingShare(reference, {}, {})));
+}
+
 TEST(Deviation, IsTheSameForAnyNumberOfThreads) {
   const Fitted fit = fitted(sceneCloud(measure::Shape::kBumpy, 5000, 0.002));
   const DeviationReference reference = referenceTo(fit.surface);
