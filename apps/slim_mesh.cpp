@@ -30,6 +30,7 @@ struct Settings {
   FitJob job;
   MeshParams mesh;
   double tolerance_noise = 0;
+  bool errors = false;        ///< vertices get standard errors
   std::optional<bool> color;  ///< not given: where there are colours
   std::string paint;          ///< another cloud whose colours the mesh gets, or none
 };
@@ -52,6 +53,8 @@ void declareMeshOptions(OptionTable& options, Settings& s) {
   options.toggle("color", &s.color,
                  "colour the vertices from the scan's points or, without a scan, from the surface",
                  "where there are colours");
+  options.toggle("errors", &s.errors,
+                 "write each vertex's standard error along its normal, sigma_position: .ply, .vtp");
   declarePaintOption(options, s.paint);
   options.exclusive({"tol", "tol_noise"});
   options.exclusive({"color", "colors"});
@@ -76,6 +79,11 @@ Error finishSettings(Settings& s) {
   }
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkMeshExtension(s.files.output)) return error;
+  const std::string extension = lowerExtension(s.files.output);
+  if (s.errors && extension != ".ply" && extension != ".vtp") {
+    return {ErrorCode::kBadArgument, "-errors is a number for each vertex, which " + extension +
+                                         " does not store: name a .ply or .vtp file"};
+  }
   if (Error error = checkPlaces(filesRead(s.job, {s.files.input, s.surface, s.paint}),
                                 {s.files.output, s.files.json}))
     return error;
@@ -234,6 +242,11 @@ Error colorMesh(const Settings& s, const Input& input, TriangleMesh& mesh) {
   return {};
 }
 
+void addErrors(const SLIMSurface& surface, int threads, TriangleMesh& mesh) {
+  for (const StandardErrors& e : surfaceErrors(surface, mesh.vertices, mesh.normals, threads))
+    mesh.sigma.push_back(e.position);
+}
+
 Exit run(const OptionTable& options, Settings& s) {
   Console console(s.files.quiet);
   Report report(options, s.files.input, s.mesh.threads);
@@ -262,6 +275,7 @@ Exit run(const OptionTable& options, Settings& s) {
           triangulate(s, *input.surface, sharpened ? &sharp : nullptr, console, report, mesh))
     return error;
   if (Error error = colorMesh(s, input, mesh)) return error;
+  if (s.errors) addErrors(*input.surface, s.mesh.threads, mesh);
   if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
     console.warn(
         "pcl_slim_mesh: .stl holds floats, too coarse for these coordinates; .ply and .vtp "

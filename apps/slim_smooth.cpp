@@ -27,12 +27,16 @@ OptionTable declareOptions(Settings& s) {
                  "also write the surface's normals and PCL's curvature; of a mesh, normals alone");
   options.toggle("curvatures", &s.job.curvatures,
                  "also write k1 k2 mean_curvature gaussian_curvature of the surface");
+  options.toggle("errors", &s.job.errors,
+                 "also write standard errors: sigma_position along the normal, in the scan's unit, "
+                 "and sigma_normal [rad]");
   options.toggle("mesh", &s.mesh,
                  "smooth the faces of a mesh, not its points; -sharp 0 or 1: round or keep all "
                  "edges, else as measured");
   declareProjection(options, s.job);
   // A mesh has its normals, and their sides, from its faces.
   options.exclusive({"mesh", "curvatures"});
+  options.exclusive({"mesh", "errors"});
   for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory", "frames",
                            "estimate_normals", "use_normals"}) {
     options.exclusive({"mesh", name});
@@ -45,6 +49,7 @@ Error finishSettings(const OptionTable& options, Settings& s) {
   s.sharp_given = options.given("sharp");
   s.job.projection.planes = s.job.more_fields;
   s.job.projection.directions = s.job.curvatures;
+  s.job.projection.errors = s.job.errors;
   if (Error error = finishProjection(options, s.job)) return error;
   if (!s.mesh || !s.job.tiles.asked) return {};
   return {ErrorCode::kBadArgument, "-mesh is not possible by tiles: give -tile_points 0"};
@@ -58,6 +63,7 @@ PointFile smoothed(const PointFile& file, const CloudProjection& projection,
   if (job.more_fields && !job.in_pieces) names.emplace_back("curvature");
   if (job.curvatures)
     names.insert(names.end(), {"k1", "k2", "mean_curvature", "gaussian_curvature"});
+  if (job.errors) names.insert(names.end(), {"sigma_position", "sigma_normal"});
   return withPoints(file, withProjected(file.cloud, projection, names, job.projection.threads));
 }
 

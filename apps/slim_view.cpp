@@ -7,7 +7,9 @@
 #include "common/program.h"
 #include "common/programs.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/shading.h"
+#include "pcl_slim/scan/uncertainty.h"
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
 #include "scan/fit_job.h"
@@ -35,10 +37,11 @@ OptionTable declareOptions(Settings& s) {
   s.viewer.view.declareSize(table);
   std::vector<std::string> modes = displayModeNames();
   modes.insert(modes.begin(), "auto");
-  table.choice(
-      "mode", &s.viewer.mode, modes,
-      "what the colours show; auto: surfaces and splats that have colours in these, others "
-      "shaded");
+  modes.emplace_back("uncertainty");
+  table.choice("mode", &s.viewer.mode, modes,
+               "what the colours show; uncertainty: the standard error of the position, dark to "
+               "light; auto: "
+               "surfaces and splats that have colours in these, others shaded");
   table.number("range", &s.viewer.range, 0.0, 1e300, "curvature or error of full colour",
                "automatic");
   table.text("unit", &s.viewer.unit, "NAME",
@@ -94,6 +97,17 @@ void noteView(const Settings& s, const BoundingSpheres& object, Console& console
   if (!view.words.empty()) console.note("  " + view.words);
 }
 
+/** \brief Paints a surface with its standard error for the mode that shows it, and says its range.
+ */
+Error paintErrors(const Settings& s, SLIMSurface& surface, Console& console) {
+  if (!s.viewer.isUncertainty()) return {};
+  const auto shown =
+      paintUncertainty(surface, {0.0, s.viewer.range}, perceptualColor, s.viewer.threads);
+  if (!shown) return shown.error();
+  console.note("  standard error 0 to " + numberText((*shown)[1], 3) + ", dark to light");
+  return {};
+}
+
 /** \brief A window for a scan, whose surface comes while the points are shown. */
 Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Report& report) {
   Viewer viewer(s.viewer, s.screenshot.empty());
@@ -101,13 +115,14 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Repo
                            s.fit.color ? colorsOf(cloud) : ColorView());
   if (s.screenshot.empty()) {
     viewer.begin();
-    FitTask task(s.fit, s.min_component, cloud);
+    FitTask task(s.fit, s.min_component, cloud, s.viewer.isUncertainty());
     return viewer.runFit(task);
   }
   auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
   leaveOutComponents(s.min_component, s.viewer.threads, {}, console, nullptr, *surface);
   noteView(s, spheresOf(*surface), console);
+  if (Error error = paintErrors(s, *surface, console)) return error;
   viewer.scene().setSurface(surface);
   viewer.begin();
   return viewer.saveScreenshot(s.screenshot);
@@ -123,6 +138,7 @@ Error showModel(const Settings& s, Console& console, Model& model) {
     if (!s.fit.params.trim) surface->dropTrimMaps();
     if (s.fit.params.hole_size != FitParams().hole_size)
       surface->closeHoles(s.fit.params.hole_size, s.fit.params.threads);
+    if (Error error = paintErrors(s, *surface, console)) return error;
     viewer.scene().setSurface(surface);
   }
   viewer.begin();

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the pictures of docs/images: scripts/pictures.sh DATA [OUT [STAGE...]]. DATA is a folder of scans
 # (benchmarks/README.md names them), OUT docs/images if not given. Stages:
-#   tutorial scans pages figures levels meshes smoothing splats beside qsplat paper     by default, fifteen minutes on two
+#   tutorial scans pages compare figures levels meshes smoothing splats beside qsplat paper     by default, fifteen minutes on two
 #                       cores: windows four, QSplat three, meshes and levels of detail one each
 #   python              those of docs/python.md, by the examples of python/
 #   web                 photographs of a browser; needs node and Chromium
@@ -21,14 +21,14 @@ mkdir -p -- "$out"
 out=$(cd -- "$out" && pwd)
 stages=("${@:3}")
 [ ${#stages[@]} -gt 0 ] ||
-  stages=(tutorial scans pages figures levels meshes smoothing splats beside qsplat paper)
+  stages=(tutorial scans pages compare figures levels meshes smoothing splats beside qsplat paper)
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 
 bash "$root/scripts/setup.sh"
 configure -DPCL_SLIM_BUILD_BENCHMARKS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON
 build scale_bench pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_smooth pcl_slim_demo_scan pcl_color_splat_sampling \
-  pcl_slim_mesh pcl_slim_lines pcl_slim_sample pcl_slim_curvature paper_bench mesh_bench mesh_picture phong_picture \
+  pcl_slim_mesh pcl_slim_lines pcl_slim_sample pcl_slim_compare pcl_slim_curvature paper_bench mesh_bench mesh_picture phong_picture \
   qsplat_bench denoise_bench splat_object splat_quality point_discs pcl_slim_benchmark \
   pcl_slim_example_03_pcl_visualizer pcl_slim_example_06_pipeline_visualizer
 bin=$root/build/release/bin
@@ -40,6 +40,7 @@ for stage in "${stages[@]}"; do
     tutorial) part tutorial "$here/render/tutorial_pictures.sh" "$bin" "$data" "$out" ;;
     scans) part scans "$here/render/scan_pictures.sh" "$bin" "$data" "$out" ;;
     pages) part pages "$here/render/page_pictures.sh" "$bin" "$data" "$out" ;;
+    compare) part compare "$here/render/compare_pictures.sh" "$bin" "$data" "$out" ;;
     figures) part figures "$here/render/figures.sh" "$bin" "$data" "$out" ;;
     levels)
       part levels "$here/paper/levels.sh" "$bin" "$work"

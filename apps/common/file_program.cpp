@@ -59,8 +59,10 @@ Exit run(OptionTable& options, const char* invoked, const FileProgram& program) 
   if (Error error = program.finish()) return Exit::usage(error);
   if (Error error = checkPlacesWritten(options)) return Exit::usage(error);
   Exit exit = several.any() ? several.run(invoked) : program.run();
-  if (exit.status != kExitDone) return exit;
-  return stream.send();
+  const bool done = exit.status == kExitDone || exit.status == kExitBeyondLimits;
+  if (!done) return exit;
+  if (Error error = stream.send()) return error;
+  return exit;
 }
 
 }  // namespace

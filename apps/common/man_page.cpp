@@ -72,11 +72,12 @@ void ManPage::item(const std::string& term, const std::string& rest, const std::
   wrap(manText(meaning));
 }
 
-void ManPage::exitStatus() {
+void ManPage::exitStatus(const std::vector<std::pair<int, std::string>>& more) {
   section("EXIT STATUS");
   item("0", "", "The work is done.");
   item("1", "", "The work failed, or that of one of several inputs; no output of it is left.");
   item("2", "", "An option, an input or the place of an output cannot be used.");
+  for (const auto& [status, meaning] : more) item(std::to_string(status), "", meaning);
   item("130", "", "Ctrl-C stopped the program; no output is left.");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pcl_slim {
@@ -21,8 +22,8 @@ class ManPage {
   void paragraph(const std::string& text);
   /** \brief A term in bold letters, what follows it on its line, and its meaning below. */
   void item(const std::string& term, const std::string& rest, const std::string& meaning);
-  /** \brief Exit status of every program. */
-  void exitStatus();
+  /** \brief Exit status of every program. \param[in] more those of this one alone */
+  void exitStatus(const std::vector<std::pair<int, std::string>>& more = {});
   /** \brief The last section: other pages, which are sorted here. */
   void seeAlso(std::vector<std::string> programs);
 

@@ -37,7 +37,8 @@ std::string helpRow(const std::string& name, const std::string& meaning) {
 std::vector<std::string> OptionTable::forms() const {
   const std::string rest = options_.empty() ? "" : " <options>";
   std::string given;
-  for (const Positional& p : positionals_) given += (given.empty() ? "" : " ") + p.name;
+  for (const Positional& p : positionals_)
+    given += (given.empty() ? "" : " ") + (p.optional ? "[" + p.name + "]" : p.name);
   std::vector<std::string> all = {given + rest};
   if (names_ != nullptr) all.push_back(positionals_.front().name + "... -out DIR" + rest);
   return all;
@@ -109,7 +110,7 @@ std::string OptionTable::manual() const {
   }
   page.item("-h, -help", "", "prints the arguments");
   page.item("-version", "", "prints the version");
-  page.exitStatus();
+  page.exitStatus(statuses_);
   if (program_ != "pcl_slim") page.seeAlso({"pcl_slim"});
   return page.text();
 }

@@ -88,6 +88,12 @@ void OptionTable::output(const std::string& name, std::string* target, const std
   }
 }
 
+void OptionTable::optionalOutput(const std::string& name, std::string* target,
+                                 const std::string& help, const std::string& usual) {
+  output(name, target, help, usual);
+  positionals_.back().optional = true;
+}
+
 void OptionTable::integer(const std::string& name, const Store<std::int64_t>& store,
                           std::int64_t low, std::int64_t high, const std::string& help,
                           const std::string& default_text) {
@@ -369,7 +375,7 @@ std::string OptionTable::checkPositionals(std::size_t count) {
     *positionals_.front().target = inputs_.front();
     return "";
   }
-  if (count == positionals_.size()) return "";
+  if (count == positionals_.size() || positionals_[count].optional) return "";
   return "no " + positionals_[count].name + " is given; " + syntax();
 }
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/version.h"
@@ -20,6 +21,7 @@ enum ExitStatus : int {
   kExitDone = 0,
   kExitFailed = 1,         ///< the work failed; no output file is left
   kExitUsage = 2,          ///< unknown or malformed option, missing or unreadable input
+  kExitBeyondLimits = 3,   ///< the work is done, and what it measured is not within given limits
   kExitInterrupted = 130,  ///< stopped by Ctrl-C
 };
 
@@ -64,6 +66,13 @@ class OptionTable {
    * \param[in] usual extension of an output without a name: ".ply"; empty: its input's */
   void output(const std::string& name, std::string* target, const std::string& help,
               const std::string& usual);
+
+  /** \brief The same of a file that may be left out; the target then stays as it is. It is the last
+   * argument. */
+  void optionalOutput(const std::string& name, std::string* target, const std::string& help,
+                      const std::string& usual);
+  /** \brief A status that only this program ends with, for the manual page. */
+  void endsWith(int status, const std::string& meaning) { statuses_.push_back({status, meaning}); }
 
   /** \brief A function that takes a value read. */
   template <typename Value>
@@ -176,6 +185,7 @@ class OptionTable {
     std::string name, help;
     std::string* target = nullptr;
     FileUse use = FileUse::kNone;
+    bool optional = false;
   };
 
   std::string parseArguments(int argc, const char* const* argv);
@@ -195,6 +205,7 @@ class OptionTable {
   std::vector<Positional> positionals_;
   std::vector<Option> options_;
   std::vector<std::vector<std::string>> exclusive_;
+  std::vector<std::pair<int, std::string>> statuses_;
   std::vector<std::string> formats_, inputs_, common_options_;
   std::string usual_;
   std::string* output_ = nullptr;

@@ -110,6 +110,18 @@ void Report::add(std::initializer_list<ReportField> fields) {
   fields_.insert(fields_.end(), fields);
 }
 
+void Report::addPart(const std::string& name, const Report& part) {
+  ReportValue::Object own;
+  for (const ReportField& field : part.fields_) {
+    const bool common = field.name == "program" || field.name == "version" ||
+                        field.name == "threads" || field.name == "peak_rss_mb" ||
+                        field.name == "seconds";
+    if (!common) own.push_back(field);
+  }
+  own.push_back({"seconds", part.seconds_});
+  set(name, own);
+}
+
 using Json = nlohmann::ordered_json;
 
 // The JSON library finds these by their name.

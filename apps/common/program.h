@@ -103,6 +103,10 @@ class Report {
   /** \brief The same of several. */
   void add(std::initializer_list<ReportField> fields);
 
+  /** \brief Sets an object with what another report has of an input of its own: all but what every
+   * report has in common, and the times of its stages. */
+  void addPart(const std::string& name, const Report& part);
+
   /** \brief Notes a stage's wall time under seconds{}. */
   void time(const std::string& stage, double seconds) { seconds_.push_back({stage, seconds}); }
 

@@ -15,6 +15,10 @@ const std::vector<ProgramEntry>& programs() {
        "Adds curvatures and normals of its SLIM surface to a scan.", ""},
       {"lines", "pcl_slim_lines", "Traces the ridges and ravines of a scan as polylines.", ""},
       {"sample", "pcl_slim_sample", "Spreads points evenly over the SLIM surface of a scan.", ""},
+      {"compare", "pcl_slim_compare",
+       "Measures how far a scan, a surface or a mesh is from another one, and what is more than "
+       "noise.",
+       ""},
       {"splats", "pcl_color_splat_sampling",
        "Thins a coloured scan to discs that cover its surface.", ""},
       {"render", "pcl_slim_render", "Draws a surface, splats or a mesh: a picture or a web page.",

@@ -20,6 +20,7 @@ struct ProjectionJob {
   ProjectionParams projection;
   bool more_fields = false;  ///< the switch of the program's own: which fields are written
   bool curvatures = false;   ///< write the surface's curvatures, too
+  bool errors = false;       ///< write standard errors, too
   /// a point's neighbours are not at hand: no surface variation, no normals of points without
   /// support
   bool in_pieces = false;

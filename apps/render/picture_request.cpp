@@ -10,12 +10,13 @@ void PictureRequest::declareColors(OptionTable& table) {
   table.choice(
       "mode", &mode,
       {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "error",
-       "reflection", "color", "raytraced", "crest", "contours", "sketch"},
-      "what the colours show; auto: the model in its colours if it has any, others shaded");
-  table.text(
-      "range", &range_text, "auto|X|LO,HI",
-      "values that the colours span, -X to X for curvatures and 0 to X for errors; auto: the "
-      "picture's without outliers");
+       "reflection", "color", "uncertainty", "raytraced", "crest", "contours", "sketch"},
+      "what the colours show; uncertainty: the standard error of the position; auto: the model in "
+      "its colours if it has any, others shaded");
+  table.text("range", &range_text, "auto|X|LO,HI",
+             "values that the colours span, -X to X for curvatures and 0 to X for residuals and "
+             "standard errors; auto: the "
+             "picture's without outliers");
   table.choice("map", &map, {"auto", "diverging", "perceptual"}, "colours of numbers");
   table.toggle("bar", &bar, "draw the colours with their numbers and unit into the picture");
   table.text("unit", &unit, "NAME", "unit of length that -bar names, such as mm, µm or ft");
@@ -33,7 +34,7 @@ Error PictureRequest::parse() {
   std::vector<double> values;
   const bool read = parseNumberList(range_text, values);
   if (read && values.size() == 1 && values[0] > 0.0 && mode != "size") {
-    range = {mode == "error" ? 0.0 : -values[0], values[0]};
+    range = {mode == "error" || isUncertainty() ? 0.0 : -values[0], values[0]};
     return {};
   }
   if (read && values.size() == 2 && values[0] < values[1]) {

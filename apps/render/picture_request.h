@@ -27,6 +27,9 @@ struct PictureRequest {
   /** \brief Reads range_text. */
   Error parse();
 
+  /** \brief Whether the surface is to be painted with its standard error. */
+  bool isUncertainty() const { return mode == "uncertainty"; }
+
   /** \brief Whether the picture is to be ray-traced. */
   bool isTraced() const { return mode == "raytraced"; }
 

@@ -17,8 +17,10 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/scan/scan.h"
+#include "pcl_slim/scan/uncertainty.h"
 #include "pcl_slim/surface/surface_components.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/studio.h"
@@ -26,9 +28,10 @@
 
 namespace pcl_slim {
 
-FitTask::FitTask(const FitJob& job, double min_component, const CloudFile& cloud)
+FitTask::FitTask(const FitJob& job, double min_component, const CloudFile& cloud, bool uncertainty)
     : job_(job),
       min_component_(min_component),
+      uncertainty_(uncertainty),
       cloud_(cloud),
       progress_([this](float fraction, const char* stage) {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -62,6 +65,9 @@ void FitTask::run() {
                    job_.params, fitted, &progress_);
   *surface_ = std::move(fitted.surface);
   if (!error_) dropComponents(min_component_, *surface_, job_.params.threads);
+  if (error_ || !uncertainty_) return;
+  const auto painted = paintUncertainty(*surface_, {}, perceptualColor, job_.params.threads);
+  if (!painted) error_ = painted.error();
 }
 
 namespace {
@@ -173,7 +179,8 @@ void Viewer::begin() {
     mapper->setFrameBudget(settings_.frame_budget);
     mapper->setNumberOfThreads(settings_.threads);
     const std::string automatic = scene_.hasColors() ? "color" : "shaded";
-    const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
+    const bool painted = settings_.mode == "auto" || settings_.isUncertainty();
+    const std::string& name = painted ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
     if (settings_.region.sides.empty() && settings_.view.viewOf(scene_.spheres()).opens)
       mapper->setSides(VisibleSides::kFront);

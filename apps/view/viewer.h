@@ -30,8 +30,9 @@ namespace pcl_slim {
 /** \brief A fit in a thread of its own, apart from the window's. The scan must outlive it. */
 class FitTask {
  public:
-  /** \param[in] min_component points; what is connected to fewer is not shown */
-  FitTask(const FitJob& job, double min_component, const CloudFile& cloud);
+  /** \param[in] min_component points; what is connected to fewer is not shown \param[in]
+   * uncertainty paints the surface with its standard error */
+  FitTask(const FitJob& job, double min_component, const CloudFile& cloud, bool uncertainty);
   /** \brief Stops the fit and waits for it. */
   ~FitTask();
   FitTask(const FitTask&) = delete;
@@ -50,6 +51,7 @@ class FitTask {
 
   FitJob job_;
   double min_component_;
+  bool uncertainty_;
   const CloudFile& cloud_;
   std::shared_ptr<SLIMSurface> surface_ = std::make_shared<SLIMSurface>();
   Error error_;
@@ -63,6 +65,9 @@ class FitTask {
 
 /** \brief How a window begins. */
 struct ViewerSettings {
+  /** \brief Whether surfaces are to be painted with their standard error. */
+  bool isUncertainty() const { return mode == "uncertainty"; }
+
   std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto",
                      lines = "none", unit;
   double range = 0.0, frame_budget = 50.0, lod = 0.0, line_width = LineStyle().width;

@@ -79,7 +79,12 @@ double relief(double angle, double z) {
 
 }  // namespace
 
-Amphora::Amphora() {
+double Amphora::dentAt(double angle, double z) const {
+  constexpr double kAngle = -1.05, kHeightOfDent = 0.235, kBelly = 0.143, kRadius = 0.03;
+  return dent_ * bump(std::hypot(kBelly * (angle - kAngle), z - kHeightOfDent), kRadius);
+}
+
+Amphora::Amphora(double dent) : dent_(dent) {
   profile_.reserve(kProfileSteps + 1);
   for (int i = 0; i <= kProfileSteps; ++i) {
     const auto [radius, slope] = interpolateShape(kHeight * i / kProfileSteps);
@@ -112,7 +117,8 @@ double Amphora::bodyDistance(double rho, double angle, double z) const {
   const double flatness = 1.0 / std::sqrt(1.0 + profile.slope * profile.slope);
   double outer = (rho - profile.radius) * flatness;
   // Ornament matters near the surface only; further away a margin keeps the bound.
-  outer -= outer < 0.03 && outer > -0.01 ? relief(angle, z) * flatness : 0.0045;
+  outer -=
+      outer < 0.03 && outer > -0.01 ? (relief(angle, z) - dentAt(angle, z)) * flatness : 0.0045;
   const double inner = std::max((rho - profile.radius) * flatness + kWall, kFloor - z);
   const double shell = -smoothMin(-outer, inner, kRounding);
   return -smoothMin(-shell, -std::max(z - kHeight, -z), kRounding);

@@ -12,7 +12,9 @@ using Point = std::array<double, 3>;
  * ornament and two handles. Metres, z up, base at z = 0, 0.46 high. */
 class Amphora {
  public:
-  Amphora();
+  /** \param[in] dent depth of a dent in the belly, 6 cm wide [m], 0: none; its volume is
+   * pi (3 cm)^2 dent / 3 */
+  explicit Amphora(double dent = 0.0);
 
   /** \brief Signed distance, never larger than the true one by much: march with steps of 0.7. */
   double distance(const Point& p) const;
@@ -34,7 +36,10 @@ class Amphora {
   Profile profileAt(double z) const;
   double bodyDistance(double rho, double angle, double z) const;
   double handleDistance(const Point& p) const;
+  /** \brief How deep the dent is at a place of the belly. */
+  double dentAt(double angle, double z) const;
 
+  double dent_;
   std::vector<Profile> profile_;               ///< table over z
   std::vector<std::array<double, 2>> handle_;  ///< polyline in the (|x|, z) plane
 };

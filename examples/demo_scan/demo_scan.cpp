@@ -31,6 +31,7 @@ struct ScanParams {
   std::uint64_t points = 200000;  ///< points wanted; organized: pixels, hit or not
   double noise = 0.001;  ///< std. deviation at medium range, share of the object's diagonal
   std::uint64_t seed = 1;
+  double dent = 0.0;       ///< depth of a dent in the belly [m]
   bool organized = false;  ///< one station's grid with NaN where nothing was hit
   int threads = 0;         ///< 0: all cores; never changes the result
 };
@@ -270,7 +271,7 @@ Scan scanOrganized(const Amphora& object, const ScanParams& params) {
  * number of points requested, the same for any number of threads.
  */
 Scan scanAmphora(const ScanParams& params) {
-  const Amphora object;
+  const Amphora object(params.dent);
   return params.organized ? scanOrganized(object, params) : scanStations(object, params);
 }
 
@@ -316,6 +317,8 @@ OptionTable declareOptions(Settings& s) {
   options.integer("points", &s.scan.points, 100, 50000000, "points (organized: pixels)");
   options.number("noise", &s.scan.noise, 0.0, 0.1,
                  "noise at medium range, share of the object's diagonal");
+  options.number("dent", &s.scan.dent, 0.0, 0.01,
+                 "depth of a dent of 6 cm in the belly, in metres: a change for pcl_slim_compare");
   options.integer("seed", &s.scan.seed, 0, 1000000000000, "start of the random numbers");
   options.toggle("organized", &s.scan.organized, "one tripod's grid, NaN where nothing was hit");
   options.integer("threads", &s.scan.threads, 0, 1024, "threads, 0: all cores");

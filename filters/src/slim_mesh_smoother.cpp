@@ -1,64 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/slim_mesh_smoother.h"
 
-#include <cstring>
 #include <utility>
 
 #include "pcl_slim/filters/io/point_file.h"
+#include "polygon_mesh.h"
 
 namespace pcl_slim {
 
 namespace {
-
-/** Three fields of a cloud, of type float or double. */
-class RealTriple {
- public:
-  RealTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3]) {
-    for (const char* name : names) {
-      const int i = findField(cloud, name);
-      if (i < 0) return;
-      const pcl::PCLPointField& field = cloud.fields[static_cast<std::size_t>(i)];
-      const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
-      if (!is_double && field.datatype != pcl::PCLPointField::FLOAT32) return;
-      fields_.push_back({field.offset, is_double});
-    }
-  }
-
-  bool found() const { return fields_.size() == 3; }
-
-  Vector3 read(const pcl::PCLPointCloud2& cloud, std::size_t i) const {
-    Vector3 value{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto* at = cloud.data.data() + i * cloud.point_step + fields_[a].offset;
-      float single = 0;
-      if (fields_[a].is_double) {
-        std::memcpy(&value[a], at, sizeof(double));
-        continue;
-      }
-      std::memcpy(&single, at, sizeof(single));
-      value[a] = single;
-    }
-    return value;
-  }
-
-  void write(const Vector3& value, std::size_t i, pcl::PCLPointCloud2& cloud) const {
-    for (std::size_t a = 0; a < 3; ++a) {
-      auto* at = cloud.data.data() + i * cloud.point_step + fields_[a].offset;
-      const auto single = static_cast<float>(value[a]);
-      if (fields_[a].is_double)
-        std::memcpy(at, &value[a], sizeof(double));
-      else
-        std::memcpy(at, &single, sizeof(single));
-    }
-  }
-
- private:
-  struct Place {
-    std::size_t offset;
-    bool is_double;
-  };
-  std::vector<Place> fields_;
-};
 
 /** Indices that are no vertices stay none: the module names them. */
 MeshFaces facesOf(const pcl::PolygonMesh& mesh) {
@@ -71,21 +21,6 @@ MeshFaces facesOf(const pcl::PolygonMesh& mesh) {
   return faces;
 }
 
-Error checkCloud(const pcl::PCLPointCloud2& cloud, const RealTriple& xyz) {
-  if (numPoints(cloud) == 0) {
-    return {ErrorCode::kBadInput, "the input mesh has no vertices; give one that has"};
-  }
-  if (!xyz.found()) {
-    return {ErrorCode::kBadInput,
-            "the input mesh has no fields x y z of type float or double; give it such"};
-  }
-  if (cloud.data.size() < numPoints(cloud) * cloud.point_step) {
-    return {ErrorCode::kBadInput, "the input mesh has less data than vertices; make it again"};
-  }
-  return {};
-}
-
-constexpr const char* kPosition[3] = {"x", "y", "z"};
 constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
 
 }  // namespace
@@ -110,7 +45,7 @@ Error SLIMMeshSmoother::smooth(pcl::PolygonMesh& made) {
   const SurfaceConstPtr given = given_surface_;
   if (!input) return {ErrorCode::kBadInput, "no input mesh is set; call setInputMesh()"};
   const RealTriple xyz(input->cloud, kPosition), normal(input->cloud, kNormal);
-  if (Error error = checkCloud(input->cloud, xyz)) return error;
+  if (Error error = checkVertices(input->cloud, xyz, "the input mesh")) return error;
   std::vector<Vector3> vertices(numPoints(input->cloud));
   for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = xyz.read(input->cloud, i);
   CloudView view;

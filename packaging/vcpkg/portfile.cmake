@@ -26,7 +26,7 @@ vcpkg_fixup_pkgconfig()
 
 if("tools" IN_LIST FEATURES)
   vcpkg_copy_tools(
-    TOOL_NAMES pcl_slim_fit pcl_slim_mesh pcl_slim_smooth pcl_slim_curvature pcl_slim_lines pcl_slim_sample
+    TOOL_NAMES pcl_slim_fit pcl_slim_mesh pcl_slim_smooth pcl_slim_curvature pcl_slim_lines pcl_slim_sample pcl_slim_compare
       pcl_slim_render pcl_slim_benchmark pcl_slim_demo_scan pcl_color_splat_sampling
     AUTO_CLEAN)
 endif()

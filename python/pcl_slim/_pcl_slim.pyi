@@ -23,6 +23,9 @@ class Projection(NamedTuple):
     k2: _Floats
     distance: _Doubles
     side: NDArray[numpy.int8]
+    sigma: _Floats
+    sigma_normal: _Floats
+    sigma_curvature: _Floats
 
 class Curvature(NamedTuple):
     k1: _Floats
@@ -166,6 +169,8 @@ class Surface:
     def lines(self, points: ArrayLike, normals: Optional[ArrayLike] = None, *, type: str = "both",
               significance: float = 2.0, strength: float = 0.0, length: float = 0.3, sharp: bool = False,
               threads: int = 0, progress: _Progress = None) -> Lines: ...
+    def paint(self, points: ArrayLike, colors: ArrayLike, normals: Optional[ArrayLike] = None, *,
+              threads: int = 0) -> "Surface": ...
     def mesh(self, *, tolerance: Optional[float] = None, max_triangles: Optional[int] = None, trim: bool = True,
              hole: float = 6.0, watertight: bool = False, min_component: float = 50, relax: int = 2,
              sharp: Optional["Surface"] = None, threads: int = 0, progress: _Progress = None) -> Mesh: ...

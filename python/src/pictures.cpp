@@ -14,11 +14,13 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/features/crest_lines.h"
+#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/mesh_renderer.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/render/traced_picture.h"
+#include "pcl_slim/scan/uncertainty.h"
 #include "pcl_slim/surface/surface_components.h"
 #include "pcl_slim/web/page.h"
 #include "view.h"
@@ -38,7 +40,7 @@ constexpr const char* kRenderDoc =
 A picture, (height, width, 4) uint8: red, green, blue and 255, the pixels of pcl_slim_render.
 camera: None chooses a view; 'front', 'back', 'left', 'right', 'top', 'bottom', 'iso', azimuth and
 elevation in degrees, or a Camera. mode: auto, shaded, normal, mean, gauss, kmax, kmin, level, size,
-error, reflection, color, raytraced. size: width and height in pixels. lines: Lines to draw where they
+error, reflection, color, uncertainty (the standard error of the position), raytraced. size: width and height in pixels. lines: Lines to draw where they
 are seen. The others are the program's options.)doc";
 
 constexpr const char* kPageDoc =
@@ -204,20 +206,44 @@ py::kwargs withCamera(const py::kwargs& given, const py::object& camera, const p
   return all;
 }
 
+/** What is drawn of a surface, and how: painted with its standard error for the mode that shows it. */
+struct DrawnSurface {
+  std::shared_ptr<const SLIMSurface> model;
+  ShadingParams shading;
+};
+
+Result<DrawnSurface> drawnSurface(const Surface& surface, const Request& request,
+                                  const ShadingParams& shading) {
+  DrawnSurface drawn{surface.drawn(request.min_component, shading.threads), shading};
+  if (shading.mode != ShadingMode::kUncertainty) return drawn;
+  auto painted = std::make_shared<SLIMSurface>(*drawn.model);
+  const bool diverging = shading.map == ColorMap::kDiverging;
+  const auto range = paintUncertainty(
+      *painted, shading.range,
+      [diverging](double x) { return diverging ? divergingColor(2 * x - 1) : perceptualColor(x); },
+      shading.threads);
+  if (!range) return range.error();
+  drawn.shading.range = *range;
+  drawn.model = std::move(painted);
+  return drawn;
+}
+
 py::array renderSurface(const SurfacePointer& surface, const py::object& camera,
                         const py::object& mode, const py::object& size, const py::kwargs& given) {
   Keywords keywords("render", withCamera(given, camera, mode, size));
   const auto request = std::make_shared<const Request>(readPicture(keywords, true));
   const ShadingParams shading = request->picture.shadingFor(surface->get().hasColors());
   return drawn(surface, [surface = surface.get(), request, shading](Work& work) -> Result<Image> {
-    const auto model = surface->drawn(request->min_component, shading.threads);
+    const Result<DrawnSurface> shown = drawnSurface(*surface, *request, shading);
+    if (!shown) return shown.error();
     const ChosenView view = request->view.viewOf(
-        spheresOf(*model), request->picture.barShare(shading, request->view.size));
-    SurfaceRenderer renderer(*model, shading.threads);
-    Result<Image> image = request->picture.isTraced()
-                              ? tracePicture(*model, request->picture, shading, view, work)
-                              : renderPicture(renderer, view.camera,
-                                              renderingOf(request->picture, view.opens), shading);
+        spheresOf(*shown->model), request->picture.barShare(shading, request->view.size));
+    SurfaceRenderer renderer(*shown->model, shading.threads);
+    Result<Image> image =
+        request->picture.isTraced()
+            ? tracePicture(*shown->model, request->picture, shading, view, work)
+            : renderPicture(renderer, view.camera, renderingOf(request->picture, view.opens),
+                            shown->shading);
     if (!image) return image;
     if (Error error = drawSpaceLines(renderer, *request, view, *image)) return error;
     return image;
@@ -266,13 +292,20 @@ py::object surfacePage(const SurfacePointer& surface, const py::object& path,
   Keywords keywords("to_html", given);
   const auto request = std::make_shared<Request>(readPage(keywords, path, true));
   const ShadingParams shading = request->picture.shadingFor(surface->get().hasColors());
-  return written(surface, request->path, [surface = surface.get(), request, shading] {
-    const auto model = surface->drawn(request->min_component, shading.threads);
-    const ChosenView view = request->view.viewOf(spheresOf(*model), 0);
-    request->page.up = view.up;
-    return encodePage(*model, view.camera, renderingOf(request->picture, view.opens), shading,
-                      request->page);
-  });
+  return written(
+      surface, request->path, [surface = surface.get(), request, shading]() -> Result<std::string> {
+        Result<DrawnSurface> shown = drawnSurface(*surface, *request, shading);
+        if (!shown) return shown.error();
+        // A page has no bar of standard errors: it shows them as colours.
+        if (shading.mode == ShadingMode::kUncertainty) {
+          shown->shading.mode = ShadingMode::kColor;
+          shown->shading.range = {};
+        }
+        const ChosenView view = request->view.viewOf(spheresOf(*shown->model), 0);
+        request->page.up = view.up;
+        return encodePage(*shown->model, view.camera, renderingOf(request->picture, view.opens),
+                          shown->shading, request->page);
+      });
 }
 
 py::object splatsPage(const SplatsPointer& splats, const py::object& path,

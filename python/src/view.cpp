@@ -74,11 +74,12 @@ UpAxis axisOf(const std::string& name) {
 /** None, X or (LO, HI). */
 std::array<double, 2> rangeOf(const py::object& given, const std::string& mode) {
   if (given.is_none()) return {};
+  const bool from_zero = mode == "error" || mode == "uncertainty";
   try {
-    const auto ends = py::isinstance<py::sequence>(given)
-                          ? given.cast<std::array<double, 2>>()
-                          : std::array<double, 2>{mode == "error" ? 0 : -given.cast<double>(),
-                                                  given.cast<double>()};
+    const auto ends =
+        py::isinstance<py::sequence>(given)
+            ? given.cast<std::array<double, 2>>()
+            : std::array<double, 2>{from_zero ? 0 : -given.cast<double>(), given.cast<double>()};
     if (std::isfinite(ends[0]) && std::isfinite(ends[1]) && ends[0] < ends[1]) return ends;
   } catch (const py::cast_error&) {
   }
@@ -158,7 +159,7 @@ ChosenView ViewRequest::viewOf(const BoundingSpheres& object, double right_margi
 void PictureRequest::take(Keywords& keywords) {
   mode = keywords.takeWord("mode",
                            {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level",
-                            "size", "error", "reflection", "color", "raytraced"},
+                            "size", "error", "reflection", "color", "uncertainty", "raytraced"},
                            "auto");
   shading.range = rangeOf(keywords.take("range"), mode);
   const std::string map = keywords.takeWord("map", {"auto", "diverging", "perceptual"}, "auto");
@@ -192,14 +193,14 @@ double PictureRequest::barShare(const ShadingParams& chosen, const ImageSize& si
   return chosen.color_bar && hasColorBar(chosen.mode) ? colorBarShare(size) : 0;
 }
 
-py::array toArray(const Image& image) {
+py::array_t<std::uint8_t> toArray(const Image& image) {
   auto array = newArray<std::uint8_t>({image.height, image.width, 4});
   std::uint8_t* pixel = array.mutable_data();
   for (std::size_t i = 0; i < image.rgb.size(); i += 3, pixel += 4) {
     std::copy_n(image.rgb.data() + i, 3, pixel);
     pixel[3] = 255;
   }
-  return std::move(array);
+  return array;
 }
 
 void bindCamera(py::module_& m) {

@@ -36,6 +36,11 @@ def test_projection_is_on_the_sphere(ball):
     np.testing.assert_allclose(got.distance, moved, rtol=0, atol=1e-12)
     outside = np.einsum("ij,ij->i", points - got.positions, got.normals.astype(float)) > 0
     np.testing.assert_array_equal(got.side, np.where(outside, 1, -1))
+    off = np.abs(np.linalg.norm(got.positions, axis=1) - 1)
+    assert 0.9 < np.mean(off <= 1.96 * got.sigma) < 0.995
+    turned = np.arccos(np.clip(np.sum(got.normals * directions, axis=1), -1, 1))
+    assert 0.9 < np.mean(turned <= 1.731 * got.sigma_normal)
+    assert 0.85 < np.mean(np.abs((got.k1 + got.k2) / 2 - 1) <= 1.96 * got.sigma_curvature)
 
 
 def test_places_away_from_the_surface(ball):
@@ -143,6 +148,38 @@ def test_splats_cover_the_colours():
     assert np.all(splats.colors[up, 0] > 200) and np.all(splats.colors[up, 2] < 60)
     assert np.abs(np.linalg.norm(splats.positions, axis=1) - 1).max() < 0.05
     assert splats.kept.max() < len(points) and splats.radius.min() > 0
+
+
+def test_paint_takes_the_colours_of_another_cloud(ball):
+    """A cloud of z > .5 paints the leaves that it reaches, which are up to .6 wide, and none at the other end."""
+    surface = ball[2]
+    photo, directions = sphere(30000, 0.001, seed=7)
+    up = directions[:, 2] > 0.5
+    photo, directions = photo[up], directions[up]
+    colors = np.where(directions[:, :1] > 0, [250, 20, 20], [20, 20, 250]).astype(np.uint8)
+    painted = surface.paint(photo, colors)
+    assert painted.has_colors and not surface.has_colors  # a copy
+    mesh = painted.mesh(tolerance=0.002)
+    x, _, z = mesh.vertices.T
+    for side, expected in ((x > 0.2, [250, 20, 20]), (x < -0.2, [20, 20, 250])):
+        assert np.abs(mesh.colors[side & (z > 0.5)].astype(int) - expected).max() < 30
+    assert np.abs(mesh.colors[z < -0.8].astype(int) - 128).max() == 0  # grey where no point is
+    statistics = painted.statistics
+    assert statistics["colors_near"] == len(photo)
+    assert len(surface) / 4 < statistics["painted_leaves"] < len(surface)
+    assert painted.notes[:-1] == surface.notes and painted.notes[-1].endswith("they are grey")
+    assert "painted_leaves" not in surface.statistics
+
+
+def test_paint_uses_normals_that_face_as_the_surface_does(ball):
+    points, directions, _ = ball
+    surface = pcl_slim.fit(points, normals=directions)
+    colors = np.full((len(points), 3), [10, 200, 30], np.uint8)
+    assert not surface.paint(points, colors, directions).statistics["colors_normals_opposed"]
+    opposed = surface.paint(points, colors, -directions)
+    assert opposed.statistics["colors_normals_opposed"] and "oppose" in opposed.notes[-1]
+    same = {surface.paint(points, colors, directions, threads=n).render(size=(80, 60)).tobytes() for n in (1, 3)}
+    assert len(same) == 1
 
 
 def test_colours_of_every_kind_are_the_same():

@@ -5,7 +5,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
 share=$(cd -- "$bin/../share" 2> /dev/null && pwd)
 
 names=$("$bin/pcl_slim" --help-markdown | sed -n 's/^| `[^`]*` | `\([^`]*\)` .*/\1/p')
-[ "$(wc -w <<< "$names")" -eq 12 ] || complain "programs: $names"
+[ "$(wc -w <<< "$names")" -eq 13 ] || complain "programs: $names"
 mkdir man completions
 for name in pcl_slim $names; do
   [ -x "$bin/$name" ] || continue

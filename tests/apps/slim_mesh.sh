@@ -36,6 +36,9 @@ done
 [ "$(value a.json components)" = 1 ] || complain "$(value a.json components) components"
 for property in x nx k1 k2; do header a.ply "property float $property"; done
 header a.ply "element face $(value a.json triangles)"
+expect 0 '' ball.pcd sure.ply -errors 1
+header sure.ply 'property float sigma_position'
+expect 2 'name a .ply or .vtp file' ball.pcd sure.obj -errors 1
 header a.ply "element vertex $(value a.json vertices)"
 
 # An open one ends where its points do.

@@ -79,6 +79,17 @@ grep -q '"mode":"color"' color.html || complain "a coloured surface's page does 
 expect 0 '' pcl_slim_render grey.slim grey.html
 grep -q '"mode":"shaded"' grey.html || complain "a page of no colours does not begin shaded"
 # Modes that are lines over a shaded surface; holes closed without another fit.
+# The standard error, with its bar; a page says its range, in colours of the surface.
+expect 0 '' pcl_slim_render surface.slim sure.png $small -mode uncertainty -threads 1 -json report.json
+grep -q '^  standard error 0 to .*, dark to light$' out.txt || complain "the range of errors is not named"
+grep -q '"standard_error"' report.json || complain "no range of errors in the report"
+expect 0 '' pcl_slim_render surface.slim again.png $small -mode uncertainty -threads 3
+same sure.png again.png
+differ sure.png color.png
+expect 0 '' pcl_slim_render surface.slim ranged.png $small -mode uncertainty -range 1 -bar -unit m
+differ sure.png ranged.png
+expect 0 '' pcl_slim_render surface.slim sure.html -mode uncertainty
+grep -q 'standard error 0 to ' sure.html || complain "a page of errors does not name their range"
 expect 0 '' pcl_slim_render surface.slim crest.png $small -mode crest
 expect 0 '' pcl_slim_render surface.slim lines.png $small -mode shaded -lines crest
 same crest.png lines.png

@@ -138,6 +138,24 @@ rows sphere_out.pcd 44 3000 f4 | awk '{ sum += $7 }
 expect 0 '' sphere.pcd bent.pcd -curvatures 1
 header bent.pcd 'FIELDS x y z k1 k2 mean_curvature gaussian_curvature'
 
+# Standard errors: of a noisy sphere, 95 % of the points are within 1.96 of theirs.
+awk -v n=6000 'BEGIN {
+  srand(5)
+  print "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " n "\nHEIGHT 1"
+  print "POINTS " n "\nDATA ascii"
+  for (i = 0; i < n; ++i) {
+    z = 1 - (2 * i + 1) / n; r = sqrt(1 - z * z); a = i * 2.399963229728653
+    s = 5 + .01 * sqrt(-2 * log(1 - rand())) * cos(6.283185 * rand())
+    printf "%.7f %.7f %.7f\n", s * r * cos(a), s * r * sin(a), s * z
+  }
+}' > noisy.pcd
+expect 0 '' noisy.pcd sure.pcd -errors 1
+header sure.pcd 'FIELDS x y z sigma_position sigma_normal'
+rows sure.pcd 20 6000 f4 | awk '{ d = sqrt($1 ^ 2 + $2 ^ 2 + $3 ^ 2) - 5; if (d ^ 2 <= (1.96 * $4) ^ 2) ++good; sum += $4; turn += $5 }
+  END { if (good < 5400 || good > 5940 || sum / 6000 > .004 || turn / 6000 > .02) print good, sum / 6000, turn / 6000 }' > wrong.txt
+[ ! -s wrong.txt ] || complain "not the errors of a sphere: $(cat wrong.txt)"
+expect 2 '-mesh' noisy.pcd no.pcd -mesh 1 -errors 1
+
 # A mesh: faces and unknown properties stay; whole-number coordinates become real ones.
 awk 'BEGIN {
   n = 40

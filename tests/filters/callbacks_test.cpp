@@ -14,6 +14,7 @@
 #include "pcl_slim/filters/slim_colorizer.h"
 #include "pcl_slim/filters/slim_crest_lines.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
+#include "pcl_slim/filters/slim_deviation.h"
 #include "pcl_slim/filters/slim_fit.h"
 #include "pcl_slim/filters/slim_mesh_smoother.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
@@ -81,6 +82,12 @@ std::vector<Runner> runners() {
   all.push_back(runnerOf("colorizer", colorizer, [colorizer] {
     pcl::PointCloud<pcl::PointXYZRGB> made;
     colorizer->colorize(made);
+  }));
+  const auto deviation = std::make_shared<SLIMDeviation<Plain>>();
+  deviation->setReference(bumpySphere<Plain>(3000, 2));
+  all.push_back(runnerOf("deviation", deviation, [deviation] {
+    pcl::PointCloud<PointDeviation> made;
+    deviation->compute(made);
   }));
   const auto mesh = std::make_shared<SLIMReconstruction<Plain>>();
   all.push_back(runnerOf("reconstruction", mesh, [mesh] {

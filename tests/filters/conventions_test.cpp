@@ -14,6 +14,7 @@
 #include "pcl_slim/filters/slim_colorizer.h"
 #include "pcl_slim/filters/slim_crest_lines.h"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
+#include "pcl_slim/filters/slim_deviation.h"
 #include "pcl_slim/filters/slim_fit.h"
 #include "pcl_slim/filters/slim_mesh_smoother.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
@@ -29,6 +30,7 @@ using Curvature = SLIMCurvatureEstimation<P>;
 using Reconstruction = SLIMReconstruction<P>;
 using Sampler = ColorOctreeSplatSampler<P>;
 using Colorizer = SLIMColorizer<P>;
+using Deviation = SLIMDeviation<P>;
 
 /** What calling a member of a class returns. */
 template <typename Class, typename... Arguments>
@@ -49,6 +51,7 @@ static_assert(std::is_same_v<bool, ComputeOf<SLIMCrestLines<P>, CrestLines&>>);
 static_assert(std::is_same_v<bool, ComputeOf<SLIMCrestLines<P>, pcl::PointCloud<PointCrest>&>>);
 static_assert(std::is_same_v<bool, ComputeOf<Curvature, pcl::PointCloud<PointCurvature>&>>);
 static_assert(std::is_same_v<bool, ProcessOf<SLIMMeshSmoother, pcl::PolygonMesh&>>);
+static_assert(std::is_same_v<bool, ComputeOf<Deviation, pcl::PointCloud<PointDeviation>&>>);
 static_assert(std::is_same_v<bool, decltype(std::declval<Colorizer&>().colorize(
                                        std::declval<pcl::PointCloud<pcl::PointXYZRGB>&>()))>);
 static_assert(std::is_same_v<bool, FilterOf<Sampler, pcl::PointCloud<P>&>>);
@@ -62,7 +65,7 @@ static_assert(std::is_same_v<void, decltype(std::declval<Reconstruction&>().reco
 template <typename Class>
 class FitClasses : public testing::Test {};
 using AllThatFit = testing::Types<SLIMFit<P>, SLIMCrestLines<P>, Curvature, Smoother,
-                                  Reconstruction, SLIMMeshSmoother, Colorizer>;
+                                  Reconstruction, SLIMMeshSmoother, Colorizer, Deviation>;
 TYPED_TEST_SUITE(FitClasses, AllThatFit);
 
 TYPED_TEST(FitClasses, TheLastOfParametersThatExcludeEachOtherCounts) {
@@ -125,7 +128,7 @@ TEST(Conventions, TheLastBudgetOfASamplerCounts) {
 template <typename Class>
 class SurfaceClasses : public testing::Test {};
 using AllThatTakeASurface = testing::Types<SLIMCrestLines<P>, Curvature, Smoother, Reconstruction,
-                                           SLIMMeshSmoother, Colorizer>;
+                                           SLIMMeshSmoother, Colorizer, Deviation>;
 TYPED_TEST_SUITE(SurfaceClasses, AllThatTakeASurface);
 
 TYPED_TEST(SurfaceClasses, ShareASurfaceOrCopyIt) {

@@ -60,6 +60,7 @@ void addFields(const TriangleMesh& mesh, const MeshColumns& columns, PointTable&
   for (const char* name : {"k1", "k2"}) {
     if (columns.curvature) addField(cloud, name, kFloat32);
   }
+  if (!mesh.sigma.empty()) addField(cloud, "sigma_position", kFloat32);
   if (!mesh.colors.empty()) addField(cloud, "rgb", kFloat32);
 }
 
@@ -83,6 +84,7 @@ PointFile toPointFile(const TriangleMesh& mesh, const MeshColumns& columns) {
       put(mesh.k1[v], at);
       put(mesh.k2[v], at);
     }
+    if (!mesh.sigma.empty()) put(mesh.sigma[v], at);
     if (mesh.colors.empty()) continue;
     const auto& c = mesh.colors[v];
     put(static_cast<std::uint32_t>(c[0] << 16 | c[1] << 8 | c[2]), at);

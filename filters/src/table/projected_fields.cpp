@@ -31,7 +31,9 @@ constexpr const char* kNames[] = {"x",
                                   "direction1_z",
                                   "direction2_x",
                                   "direction2_y",
-                                  "direction2_z"};
+                                  "direction2_z",
+                                  "sigma_position",
+                                  "sigma_normal"};
 constexpr std::size_t kPosition = 3;  ///< values that only supported points change
 constexpr std::size_t kRun = 4096;    ///< points that a thread takes at a time
 
@@ -59,7 +61,9 @@ Values valuesOf(const ProjectedPoint& point) {
           d1[2],
           d2[0],
           d2[1],
-          d2[2]};
+          d2[2],
+          point.errors.position,
+          point.errors.normal};
 }
 
 /** Index of a name in kNames; their number: it is none of them. */

@@ -11,6 +11,7 @@ namespace pcl_slim::detail {
 
 AlignedVector<std::uint32_t> mortonOrder(const Vector3* places, std::size_t count, int threads,
                                          std::size_t& finite) {
+  threads = resolveThreads(threads);
   constexpr std::size_t kChunk = 65536;
   constexpr std::uint64_t kLast = (std::uint64_t{1} << 63) - 1;
   const std::size_t chunks = (count + kChunk - 1) / kChunk;

@@ -9,11 +9,11 @@ namespace pcl_slim {
 Error TriangleMesh::validate() const {
   const std::size_t n = vertices.size();
   const bool whole = normals.size() == n && k1.size() == n && k2.size() == n &&
-                     (colors.empty() || colors.size() == n);
+                     (sigma.empty() || sigma.size() == n) && (colors.empty() || colors.size() == n);
   if (!whole) {
     return badInput("the mesh has " + std::to_string(n) +
-                    " vertices and another number of normals, k1, k2 or colours: give each vertex "
-                    "one of each");
+                    " vertices and another number of normals, k1, k2, sigma or colours: give each "
+                    "vertex one of each");
   }
   for (const auto& triangle : triangles) {
     const std::uint32_t last = *std::max_element(triangle.begin(), triangle.end());

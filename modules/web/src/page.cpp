@@ -11,8 +11,10 @@
 #include "pcl_slim/core/base64.h"
 #include "pcl_slim/leaf/detail/gates.h"
 #include "pcl_slim/render/color_map.h"
+#include "pcl_slim/render/detail/bar_text.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/detail/light.h"
+#include "pcl_slim/render/detail/ticks.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/web/web_surface.h"
 
@@ -178,8 +180,55 @@ struct PageParts {
   std::vector<std::uint8_t> still;   ///< picture as PNG, or empty
 };
 
+std::string cssColor(const Color& color) {
+  const auto bytes = bytesOf(color);
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", bytes[0], bytes[1], bytes[2]);
+  return text;
+}
+
+/** \brief The colours of deviations from low to high, as stops of a CSS gradient: grey between
+ * minus and plus the level of detection. */
+std::string legendGradient(const DeviationScale& scale) {
+  constexpr int kStops = 8;  // to each side: the map is linear between seven colours
+  const double level = std::min(scale.level, scale.range);
+  std::string text;
+  const auto stop = [&](double value, const Color& color) {
+    text +=
+        "," + cssColor(color) + " " + JsonText::number(50.0 * (1.0 + value / scale.range), 6) + "%";
+  };
+  for (int i = kStops; i >= 0; --i) {
+    const double value = -level - (scale.range - level) * i / kStops;
+    stop(value, deviationColor(scale, value));
+  }
+  for (const double end : {-level, level}) stop(end, insignificantColor());
+  for (int i = 0; i <= kStops; ++i) {
+    const double value = level + (scale.range - level) * i / kStops;
+    stop(value, deviationColor(scale, value));
+  }
+  return "linear-gradient(to right" + text + ")";
+}
+
+/** \brief What the colours of deviations mean, below the page's title. */
+std::string legendHtml(const DeviationScale& scale) {
+  std::string html = "<div id=key>deviation, " +
+                     htmlText(scale.unit.empty() ? "length" : scale.unit) +
+                     "<div class=colors style=\"background:" + legendGradient(scale) +
+                     "\"></div><div class=ticks>";
+  for (const double tick : roundTicks(-scale.range, scale.range, false)) {
+    html += "<span style=\"left:" + JsonText::number(50.0 * (1.0 + tick / scale.range), 4) +
+            "%\">" + (tick > 0.0 ? "+" : "") + printedTick(tickText(tick)) + "</span>";
+  }
+  html +=
+      "</div><i style=\"background:" + cssColor(insignificantColor()) +
+      "\"></i><span>not significant</span><i style=\"background:" + cssColor(noCounterpartColor()) +
+      "\"></i><span>no counterpart</span><div>level of detection ±" +
+      JsonText::number(scale.level, 2) + " (median)</div></div>";
+  return html;
+}
+
 /** \brief Fills the viewer's text, its script deflated. */
-Result<std::string> fillPage(const std::string& title, JsonText options, const PageParts& parts) {
+Result<std::string> fillPage(const PageParams& params, JsonText options, const PageParts& parts) {
   std::string page(kViewer, kViewer + kViewerBytes);
   const std::string mark = "<!--viewer-->";
   const std::size_t begin = page.find(mark), code = begin + mark.size(),
@@ -188,8 +237,9 @@ Result<std::string> fillPage(const std::string& title, JsonText options, const P
                             page.begin() + static_cast<std::ptrdiff_t>(end)});
   if (!script) return script.error();
   page.replace(begin, end + mark.size() - begin, base64(script->data(), script->size()));
-  replace(page, "<!--title-->", htmlText(title));
-  replace(page, "<!--heading-->", htmlText(title));
+  replace(page, "<!--title-->", htmlText(params.title));
+  replace(page, "<!--heading-->", htmlText(params.title));
+  replace(page, "<!--legend-->", params.deviations ? legendHtml(*params.deviations) : "");
   if (!parts.still.empty()) {
     replace(page, "<!--still-->",
             "<img id=still alt=\"\" src=\"data:image/png;base64," +
@@ -246,6 +296,9 @@ Result<std::string> rangesSeen(SurfaceRenderer& renderer, const Camera& camera,
 Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                                const RenderParams& rendering, const ShadingParams& shading,
                                const PageParams& params) {
+  if (params.deviations) {
+    if (Error error = params.deviations->validate()) return error;
+  }
   if (!rendering.cuts.empty()) {
     return Error{ErrorCode::kBadArgument,
                  "a page shows a whole surface with blended derivatives; leave out cuts"};
@@ -276,13 +329,16 @@ Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
   options.member("lod", JsonText::number(rendering.lod));
   options.member("points", std::to_string(surface.info.num_points));
   options.member("ranges", *ranges);
-  return fillPage(params.title, options,
+  return fillPage(params, options,
                   {std::move(*data), std::move(*lines), stillPicture(std::move(*still))});
 }
 
 Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,
                                const DiscRenderParams& rendering, const ShadingParams& shading,
                                const PageParams& params) {
+  if (params.deviations) {
+    if (Error error = params.deviations->validate()) return error;
+  }
   ShadingParams plain = shading;
   plain.color_bar = false;
   plain.gradient_background = false;
@@ -310,7 +366,7 @@ Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,
   options.member("near", JsonText::number(rendering.near_plane));
   options.member("lod", "0");
   options.member("ranges", ranges.object());
-  return fillPage(params.title, options,
+  return fillPage(params, options,
                   {std::move(*data), std::move(*lines), stillPicture(std::move(*still))});
 }
 

@@ -42,6 +42,7 @@ void expectSame(const SLIMSurface& a, const SLIMSurface& b) {
   EXPECT_EQ(a.info.scale, b.info.scale);
   EXPECT_EQ(a.info.diagonal, b.info.diagonal);
   EXPECT_EQ(a.info.lambda, b.info.lambda);
+  EXPECT_EQ(a.info.correlation, b.info.correlation);
   EXPECT_EQ(a.info.num_points, b.info.num_points);
   EXPECT_EQ(a.info.oriented, b.info.oriented);
   EXPECT_EQ(a.info.sides_in_doubt, b.info.sides_in_doubt);
@@ -57,6 +58,15 @@ TEST_P(SurfaceIo, GivesTheSurfaceBackExactly) {
   ASSERT_TRUE(again) << again.error().message;
   expectSame(surface, *again);
   EXPECT_EQ(bytes, encodeSlim(*again));
+}
+
+TEST_P(SurfaceIo, GivesTheCorrelationOfNoiseBack) {
+  SLIMSurface surface = sphereSurface(GetParam(), 50);
+  surface.info.correlation = 7.25;
+  const auto bytes = encodeSlim(surface);
+  const auto again = decodeSlim(bytes.data(), bytes.size());
+  ASSERT_TRUE(again) << again.error().message;
+  expectSame(surface, *again);
 }
 
 TEST_P(SurfaceIo, GivesDoubtsBack) {

@@ -55,6 +55,8 @@ TEST(Surface, NamesItsDefects) {
       [](SLIMSurface& s) { s.info.origin[2] = -1e308; },
       [](SLIMSurface& s) { s.info.diagonal = kInf; },
       [](SLIMSurface& s) { s.info.lambda = -1.0; },
+      [](SLIMSurface& s) { s.info.correlation = 0.5; },
+      [](SLIMSurface& s) { s.info.correlation = kNan; },
       [](SLIMSurface& s) { s.info.cover_radius = 0.0; },
       [](SLIMSurface& s) { s.info.cover_radius = kNan; },
       [](SLIMSurface& s) { s.info.cover_threshold = 1.5; },

@@ -278,6 +278,10 @@ void addVertexData(const TriangleMesh& mesh, vtkPointData* data) {
                           [&](std::size_t i, std::size_t) { return mesh.k1[i]; });
   addArray<vtkFloatArray>(data, "k2", mesh.k2.size(), 1,
                           [&](std::size_t i, std::size_t) { return mesh.k2[i]; });
+  if (!mesh.sigma.empty()) {
+    addArray<vtkFloatArray>(data, "sigma_position", mesh.sigma.size(), 1,
+                            [&](std::size_t i, std::size_t) { return mesh.sigma[i]; });
+  }
   if (mesh.colors.empty()) return;
   addArray<vtkUnsignedCharArray>(data, "RGB", mesh.colors.size(), 3,
                                  [&](std::size_t i, std::size_t k) { return mesh.colors[i][k]; });

@@ -43,6 +43,7 @@ std::string barTitle(ShadingMode mode) {
     case ShadingMode::kKMax: return "largest curvature";
     case ShadingMode::kKMin: return "smallest curvature";
     case ShadingMode::kError: return "residual";
+    case ShadingMode::kUncertainty: return "standard error";
     case ShadingMode::kLevel: return "level";
     default: return "radius";
   }
@@ -53,7 +54,8 @@ std::string barUnit(ShadingMode mode, const std::string& unit) {
   switch (mode) {
     case ShadingMode::kGaussian: return "1/" + length + "²";
     case ShadingMode::kSize:
-    case ShadingMode::kError: return length;
+    case ShadingMode::kError:
+    case ShadingMode::kUncertainty: return length;
     case ShadingMode::kLevel: return "";
     default: return "1/" + length;
   }
@@ -106,23 +108,24 @@ BarLayout::BarLayout(const ImageSize& size)
   fits = paper_left >= 0 && height >= least;
 }
 
+void fillBox(Image& image, const PixelBox& box, const Color& color, float share) {
+  for (int y = std::max(0, box.top); y < std::min(image.height, box.bottom); ++y) {
+    for (int x = std::max(0, box.left); x < std::min(image.width, box.right); ++x) {
+      const std::size_t at =
+          3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+               static_cast<std::size_t>(x));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float mixed = (1.0f - share) * image.rgb[at + k] + share * 255.0f * color[k];
+        image.rgb[at + k] = static_cast<std::uint8_t>(std::lround(mixed));
+      }
+    }
+  }
+}
+
 }  // namespace detail
 
 using namespace detail;
 namespace {
-
-constexpr Color kInk{0.1f, 0.1f, 0.1f}, kFrame{0.25f, 0.25f, 0.25f}, kPaper{1.0f, 1.0f, 1.0f};
-constexpr float kPaperShare = 0.85f;
-
-void paint(Image& image, int x, int y, const Color& color, float share) {
-  if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
-  const std::size_t at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                              static_cast<std::size_t>(x));
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float mixed = (1.0f - share) * image.rgb[at + k] + share * 255.0f * color[k];
-    image.rgb[at + k] = static_cast<std::uint8_t>(std::lround(mixed));
-  }
-}
 
 /** \brief Thickness of the frame and of ticks. */
 int strokeOf(const BarLayout& at) {
@@ -132,20 +135,16 @@ int strokeOf(const BarLayout& at) {
 /** \brief Makes the picture paler behind the bar and its text. */
 void paintPaper(const BarLayout& at, Image& image) {
   const int bottom = at.top + at.height + static_cast<int>(std::lround(kLine * at.em));
-  for (int y = at.paper_top; y < bottom; ++y) {
-    for (int x = at.paper_left; x < image.width; ++x) paint(image, x, y, kPaper, kPaperShare);
-  }
+  fillBox(image, {at.paper_left, at.paper_top, image.width, bottom}, kBarPaper, kBarPaperShare);
 }
 
 void paintColors(const BarLayout& at, const ShadingParams& params, const ShadingRange& range,
                  Image& image) {
-  const int rim = strokeOf(at);
-  for (int y = -rim; y < at.height + rim; ++y) {
+  const int rim = strokeOf(at), right = at.left + at.width, bottom = at.top + at.height;
+  fillBox(image, {at.left - rim, at.top - rim, right + rim, bottom + rim}, kBarFrame, 1.0f);
+  for (int y = 0; y < at.height; ++y) {
     const Color color = colorAtShare(params, range, 1.0 - (y + 0.5) / at.height);
-    for (int x = -rim; x < at.width + rim; ++x) {
-      const bool inside = x >= 0 && y >= 0 && x < at.width && y < at.height;
-      paint(image, at.left + x, at.top + y, inside ? color : kFrame, 1.0f);
-    }
+    fillBox(image, {at.left, at.top + y, right, at.top + y + 1}, color, 1.0f);
   }
 }
 
@@ -154,7 +153,7 @@ void paintText(const BarLayout& at, double x, double baseline, const std::string
                Image& image) {
   const double room = image.width - 0.5 * kPad * at.em - x;
   const double em = at.em * std::min(1.0, room / textWidth(text, at.em));
-  drawText(image, x, std::round(baseline), em, text, kInk);
+  drawText(image, x, std::round(baseline), em, text, kBarInk);
 }
 
 /** \brief A number at a share of the range, its middle beside the tick's. */
@@ -163,9 +162,7 @@ void paintTick(const BarLayout& at, const std::string& number, double share, Ima
   const double middle = at.top + (1.0 - share) * at.height;
   const int first = static_cast<int>(std::lround(middle - 0.5 * thick));
   const int right = at.left + at.width, length = static_cast<int>(std::lround(kTick * at.em));
-  for (int y = first; y < first + thick; ++y) {
-    for (int x = 0; x < length; ++x) paint(image, right + x, y, kFrame, 1.0f);
-  }
+  fillBox(image, {right, first, right + length, first + thick}, kBarFrame, 1.0f);
   paintText(at, right + (kTick + kGap) * at.em, middle + 0.5 * kCapHeight * at.em, number, image);
 }
 

@@ -85,7 +85,8 @@ Color colorAtShare(const ShadingParams& params, const ShadingRange& range, doubl
   if (params.map == ColorMap::kPerceptual) return perceptualColor(share);
   if (params.map == ColorMap::kDiverging) return divergingColor(2.0 * share - 1.0);
   if (params.mode == ShadingMode::kSize) return sizeColor(share);
-  if (params.mode == ShadingMode::kError) return perceptualColor(share);
+  if (params.mode == ShadingMode::kError || params.mode == ShadingMode::kUncertainty)
+    return perceptualColor(share);
   return divergingColor(2.0 * share - 1.0);
 }
 
@@ -176,7 +177,8 @@ bool showsNumbers(ShadingMode mode) {
     case ShadingMode::kKMax:
     case ShadingMode::kKMin:
     case ShadingMode::kSize:
-    case ShadingMode::kError: return true;
+    case ShadingMode::kError:
+    case ShadingMode::kUncertainty: return true;
     default: return false;
   }
 }
@@ -192,7 +194,8 @@ unsigned columnsFor(const ShadingParams& params) {
     case ShadingMode::kLevel:
     case ShadingMode::kSize: return columns | kLeafColumns;
     case ShadingMode::kError: return columns | kResidualColumn;
-    case ShadingMode::kColor: return columns | kColorColumn;
+    case ShadingMode::kColor:
+    case ShadingMode::kUncertainty: return columns | kColorColumn;
     default: return columns;
   }
 }
@@ -206,7 +209,7 @@ ShadingRange rangeOf(const GBuffer& buffer, const ShadingParams& params, double 
   if (params.range[0] < params.range[1]) {
     range.low = params.range[0];
     range.high = params.range[1];
-  } else {
+  } else if (params.mode != ShadingMode::kUncertainty) {  // its colours are painted already
     setRobustRange(buffer, params, scale, range);
   }
   return range;

@@ -188,14 +188,19 @@ struct Light {
   }
 };
 
+/** Whether a mode shows the colours of what is drawn. */
+bool isPainted(ShadingMode mode) {
+  return mode == ShadingMode::kColor || mode == ShadingMode::kUncertainty;
+}
+
 Color baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
                 const ShadingRange& range, double scale) {
+  if (isPainted(params.mode)) return buffer.color[pixel];
   if (showsNumbers(params.mode)) {
     return colorOf(params, range, valueAt(buffer, pixel, params.mode, scale));
   }
   switch (params.mode) {
     case ShadingMode::kLevel: return categoryColor(buffer.level[pixel]);
-    case ShadingMode::kColor: return buffer.color[pixel];
     default: return asColor(buffer.back_face[pixel] ? kClayBack : kClay);
   }
 }
@@ -243,14 +248,14 @@ Color litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const Lig
 }  // namespace
 
 std::string nameOf(ShadingMode mode) {
-  static const std::array<const char*, 11> kNames{"shaded", "normal",     "mean",  "gauss",
+  static const std::array<const char*, 12> kNames{"shaded", "normal",     "mean",  "gauss",
                                                   "kmax",   "kmin",       "level", "size",
-                                                  "error",  "reflection", "color"};
+                                                  "error",  "reflection", "color", "uncertainty"};
   return kNames[static_cast<std::size_t>(mode)];
 }
 
 std::optional<ShadingMode> shadingModeOf(const std::string& name) {
-  for (int k = 0; k <= static_cast<int>(ShadingMode::kColor); ++k) {
+  for (int k = 0; k <= static_cast<int>(ShadingMode::kUncertainty); ++k) {
     if (nameOf(static_cast<ShadingMode>(k)) == name) return static_cast<ShadingMode>(k);
   }
   return std::nullopt;
@@ -365,7 +370,7 @@ Result<Image> shade(const GBuffer& buffer, const Camera& camera, const ShadingPa
         ErrorCode::kBadArgument,
         "the G-buffer and the camera differ in size; shade with the camera it was made by"};
   }
-  if (params.mode == ShadingMode::kColor && buffer.color.size() != buffer.numPixels()) {
+  if (isPainted(params.mode) && buffer.color.size() != buffer.numPixels()) {
     return noColors();
   }
   if (Error error = lacksColumns(buffer, params)) return error;
@@ -380,8 +385,7 @@ Result<Image> renderPicture(SurfaceRenderer& renderer, const Camera& camera,
                             const RenderParams& render_params, const ShadingParams& shading_params,
                             RenderStatistics* statistics) {
   if (Error error = shading_params.validate()) return error;
-  if (shading_params.mode == ShadingMode::kColor && !renderer.surface().hasColors())
-    return noColors();
+  if (isPainted(shading_params.mode) && !renderer.surface().hasColors()) return noColors();
   RenderParams needed = render_params;
   needed.columns = columnsFor(shading_params);
   RenderStatistics total;
@@ -439,7 +443,7 @@ Result<Image> renderPicture(const TriangleMesh& mesh, const Camera& camera,
                      ((columns & kCurvatureColumn) != 0 ? "curvatures k1 and k2"
                                                         : "levels, sizes or residuals") +
                      "; choose color, shaded, normal or reflection, or draw the surface"};
-  if (shading_params.mode == ShadingMode::kColor && mesh.colors.empty())
+  if (isPainted(shading_params.mode) && mesh.colors.empty())
     return Error{ErrorCode::kBadArgument,
                  "the mesh has no colours; choose another mode than color"};
   MeshRenderStatistics total;

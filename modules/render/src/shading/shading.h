@@ -13,6 +13,7 @@
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/detail/light.h"
 #include "pcl_slim/render/g_buffer.h"
+#include "pcl_slim/render/image.h"
 #include "pcl_slim/render/shading.h"
 
 namespace pcl_slim::detail {
@@ -61,6 +62,21 @@ struct BarLayout {
 
   bool fits = false;
 };
+
+/** \brief Pixels from left to before right, from top to before bottom. */
+struct PixelBox {
+  int left, top, right, bottom;
+};
+
+/** \brief Of colour bars and legends: letters, frames and ticks, and the paper behind them, which
+ * covers the picture by a share. */
+constexpr Color kBarInk{0.1f, 0.1f, 0.1f}, kBarFrame{0.25f, 0.25f, 0.25f},
+    kBarPaper{1.0f, 1.0f, 1.0f};
+constexpr float kBarPaperShare = 0.85f;
+
+/** \brief Mixes a share of a colour into the pixels of a box; those outside of the picture are left
+ * out. O(pixels). */
+void fillBox(Image& image, const PixelBox& box, const Color& color, float share);
 
 /** \brief Fills the colours of a frame from those of a surface's leaves, at the positions and with
  * the normals of its pixels. Its index is built for the first frame with colours. */

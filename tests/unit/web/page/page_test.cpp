@@ -61,6 +61,22 @@ TEST(Page, OpensAsAsked) {
   EXPECT_NEAR(std::strtod(page.c_str() + mean + 8, nullptr), -1.0 / kSphere, 0.05);
 }
 
+TEST(Page, ExplainsTheColoursOfDeviations) {
+  PageParams params;
+  EXPECT_EQ(countOf(pageOf(params), "id=key"), 0u);
+  params.deviations = DeviationScale{2.0, 0.25, "mm"};
+  const std::string page = pageOf(params);
+  EXPECT_EQ(countOf(page, "id=key>deviation, mm<"), 1u);
+  EXPECT_EQ(countOf(page, "level of detection ±0.25 (median)"), 1u);
+  EXPECT_EQ(countOf(page, "no counterpart"), 1u);
+  // Grey between the level's both signs: 50 (1 ± .25 / 2) %.
+  EXPECT_EQ(countOf(page, "#ccccc9 43.75%,#ccccc9 56.25%"), 1u);
+  params.deviations->range = 0.0;
+  const SLIMSurface sphere = sphereSurface(2, kSphere, 200, 0.08);
+  EXPECT_EQ(encodePage(sphere, frontCamera(), RenderParams(), {}, params).error().code,
+            ErrorCode::kBadArgument);
+}
+
 TEST(Page, RefusesCuts) {
   const SLIMSurface sphere = sphereSurface(2, kSphere, 200, 0.08);
   RenderParams rendering;

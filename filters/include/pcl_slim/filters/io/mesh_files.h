@@ -16,12 +16,13 @@ PCL_SLIM_EXPORT Error checkMeshExtension(const std::string& path);
 
 /** \brief Writes a mesh by extension (upper or lower case); the file appears only when complete.
  *
- * - .ply: binary_little_endian: x y z, normals, k1 k2, colours if there are any
+ * - .ply: binary_little_endian: x y z, normals, k1 k2, sigma_position and colours if there are any
  * - .obj: text: positions, colours behind them if there are any, normals
  * - .stl: binary: triangles alone
  * - .glb: glTF 2.0 in one file: positions about the middle of the mesh, which is the node's
  *   translation, normals, colours
- * - .vtp: for ParaView, in builds with PCL_SLIM_WITH_VTP: points, "Normals", k1, k2, "RGB"
+ * - .vtp: for ParaView, in builds with PCL_SLIM_WITH_VTP: points, "Normals", k1, k2, sigma_position,
+ *   "RGB"
  *
  * .ply and .vtp contain doubles where floats would move vertices by more than a thousandth of an
  * edge; .stl always contains floats. O(triangles).

@@ -15,7 +15,8 @@ namespace pcl_slim {
  *
  * x y z are the places on the surface, of points that no surfel supports their own; fields of whole
  * numbers become FLOAT64. normal_x normal_y normal_z, curvature (PCL's: the surface variation), k1 k2
- * mean_curvature gaussian_curvature, direction1_x ... direction2_z are FLOAT32 unless the points have
+ * mean_curvature gaussian_curvature, direction1_x ... direction2_z, and the standard errors
+ * sigma_position and sigma_normal (of a projection with errors) are FLOAT32 unless the points have
  * such a field of real numbers; NaN where a value is unknown. Other names are left out.
  * \param[in] projection of all of these points, in their order. \param[in] threads 0: all cores.
  * O(points). */

@@ -162,4 +162,15 @@ PCL_SLIM_EXPORT std::vector<std::array<std::uint8_t, 3>> surfaceColors(
     const SLIMSurface& surface, const std::vector<Vector3>& positions,
     const std::vector<std::array<float, 3>>& normals, int threads = 0);
 
+/** \brief Standard errors of a surface at places on it, world units; zero where no leaf supports a
+ * place.
+ *
+ * \param[in] positions world coordinates; places of one neighbourhood should follow one another
+ * \param[in] normals unit, one for each: where the surface is oriented, leaves that face away from
+ * them do not count. O(surfels log surfels + leaves near the places); the same for any number of
+ * threads. */
+PCL_SLIM_EXPORT std::vector<StandardErrors> surfaceErrors(
+    const SLIMSurface& surface, const std::vector<Vector3>& positions,
+    const std::vector<std::array<float, 3>>& normals, int threads = 0);
+
 }  // namespace pcl_slim

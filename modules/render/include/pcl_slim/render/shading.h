@@ -31,6 +31,7 @@ enum class ShadingMode : unsigned char {
   kError,     ///< its residual, root mean square: the noise and what the polynomial cannot follow
   kReflection,  ///< stripes of light far away as the surface mirrors them: they break where normals do
   kColor,       ///< colours of discs or of a coloured surface
+  kUncertainty,  ///< those that a surface was painted with by its standard error, with a colour bar
 };
 
 /** \brief The name of a mode, as shadingModeOf() takes it. */
@@ -70,7 +71,7 @@ struct ShadingRange {
   bool logarithmic = false;  ///< then both are positive
 };
 
-/** \brief Whether a mode shows numbers: curvatures, sizes and residuals do. */
+/** \brief Whether a mode shows numbers: curvatures, sizes, residuals and standard errors. */
 PCL_SLIM_EXPORT bool showsNumbers(ShadingMode mode);
 
 /** \brief Whether a mode has a colour bar: those that show numbers, and levels. */

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
+#include "pcl_slim/render/deviation_legend.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/render/shading.h"
@@ -19,10 +21,11 @@ namespace pcl_slim {
 /** \brief What a page has in addition to the picture that it opens with. */
 struct PageParams {
   std::string title = "surface";
-  std::array<double, 3> up{0.0, 0.0, 1.0};  ///< dragging turns the object about this direction
-  double precision = 896.0;                 ///< of encodeWebSurface()
-  int color_error = 2;                      ///< of encodeWebSurface()
-  std::vector<SpaceLine> lines;             ///< to draw over the surface, world coordinates
+  std::array<double, 3> up{0.0, 0.0, 1.0};   ///< dragging turns the object about this direction
+  double precision = 896.0;                  ///< of encodeWebSurface()
+  int color_error = 2;                       ///< of encodeWebSurface()
+  std::vector<SpaceLine> lines;              ///< to draw over the surface, world coordinates
+  std::optional<DeviationScale> deviations;  ///< what the model's own colours mean: adds a legend
 };
 
 /** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
