@@ -41,8 +41,8 @@ Scan scanOf(measure::Shape shape, std::size_t count, double noise, std::uint64_t
     exact[i] = {scene.points[3 * i], scene.points[3 * i + 1], scene.points[3 * i + 2]};
   }
   const auto middle =
-      *std::max_element(exact.begin(), exact.end(), [&](const auto& a, const auto& b) {
-        return dot(a, dent.direction) < dot(b, dent.direction);
+      *std::min_element(exact.begin(), exact.end(), [&](const auto& a, const auto& b) {
+        return length(subtract(a, dent.near)) < length(subtract(b, dent.near));
       });
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3 normal = {scene.normals[3 * i], scene.normals[3 * i + 1],

@@ -11,11 +11,11 @@
 /** \brief Scans of one exact surface, and of that surface with a dent of known depth. */
 namespace pcl_slim::change {
 
-/** \brief A dent: the surface is moved against its normal by depth within a ball about the place of
- * the surface in a direction, less by a cosine over the outer part of the ball. */
+/** \brief A dent: the surface is moved against its normal by depth within a ball about a place of it,
+ * less by a cosine over the outer part of the ball. */
 struct Dent {
   double depth = 0, radius = 0;         ///< scene units
-  Vector3 direction{0.36, 0.48, 0.8};   ///< the middle is the place of greatest x . direction
+  Vector3 near{0.36, 0.48, 0.8};        ///< the middle is the point nearest to it
   static constexpr double kCore = 0.8;  ///< [radius] full depth within
 };
 
