@@ -134,6 +134,12 @@ change::M3C2Scales bestScales(const Pair& pair) {
   return best;
 }
 
+double nearestDistance(const Scan& scan, const Vector3& place) {
+  double least = Bounds::kInfinity;
+  for (const Vector3& p : scan.points) least = std::min(least, length(subtract(p, place)));
+  return least;
+}
+
 /** Makes a pair of scans, whose dent is two levels of detection deep, and compares the surfaces. */
 Error makePair(const Settings& s, measure::Shape shape, double noise, std::uint64_t seed,
                Pair& pair, TriangleMesh& mesh, double& mesh_seconds, Row& row) {
@@ -150,7 +156,15 @@ Error makePair(const Settings& s, measure::Shape shape, double noise, std::uint6
   if (!same) return same.error();
   Dent dent;
   dent.radius = s.radius * pair.same.diagonal;
-  dent.depth = 2 * scoreOf(pair.same, pair.chosen, *same, 0).detection;
+  std::vector<double> detections;  // there
+  const double gap = nearestDistance(pair.same, dent.near);
+  for (std::size_t k = 0; k < pair.chosen.size(); ++k) {
+    const Vector3 off = subtract(pair.same.points[pair.chosen[k]], dent.near);
+    if (length(off) < dent.radius + gap) {
+      detections.push_back(same->detection[k]);
+    }
+  }
+  dent.depth = 2 * measure::median(std::move(detections));
   pair.dented = change::scanOf(shape, count, noise, 3000 + seed, dent);
   std::vector<std::size_t> inside;
   for (std::size_t i = 0; i < count; ++i) {
