@@ -61,7 +61,10 @@ function(pcl_slim_install_pkg_config components)
     if(PCL_SLIM_HAS_LAZ)
       list(APPEND others -llaszip)
     endif()
-    set(flags ${PCL_INCLUDE_DIRS})
+    # PCL's newer packages name Eigen's target in place of its folder.
+    get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+    set(flags ${PCL_INCLUDE_DIRS} ${eigen})
+    list(REMOVE_DUPLICATES flags)
     list(REMOVE_ITEM flags /usr/include) # named again, it hides the compiler's own headers
     list(TRANSFORM flags PREPEND -I)
     list(JOIN flags " " flags)

@@ -35,3 +35,9 @@ build() {
   quietly "$what" "$root/build/log/build.log" \
     cmake --build "$root/build/release" --parallel "$jobs" ${1:+--target "$@"}
 }
+
+# page_block PAGE LANGUAGE [BEFORE]: the first block of code in this language of a page after a line that contains BEFORE.
+page_block() {
+  awk -v fence="\`\`\`$2" -v before="${3-}" 'index($0, before) { after = 1 }
+    after && !inside && $0 == fence { inside = 1; next } inside && /^```/ { exit } inside' "$1"
+}

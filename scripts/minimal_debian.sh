@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# shellcheck shell=bash disable=SC2016
+# shellcheck shell=bash disable=SC2016,SC2154
 # Sourced by scripts that need a fresh, minimal Debian of any release in a folder. Needs root and debootstrap.
 #   make_debian RELEASE DIR                  a system of Debian's essential packages and apt, as bookworm or trixie
 #   in_debian DIR [--mount SOURCE TARGET]... COMMAND...
 #                                            runs COMMAND in it, as its root; SOURCE, a folder, is seen at TARGET, an
 #                                            absolute path in the system
+#   put_source DIR TARGET                    the last commit of the project in $root, in TARGET, an absolute path in the
+#                                            system; what was built there of an earlier commit stays
 #   remove_debian DIR                        deletes it
 # Packages come from the mirror that this system's apt uses, or from $DEBIAN_MIRROR. With $DEBIAN_CACHE, a folder,
 # downloaded packages are kept in it for the next system. What is mounted is gone when a command ends, however it ends.
@@ -93,6 +95,17 @@ in_debian() {
     in_debian "$dir" ${#mounts[@]} ${mounts[@]+"${mounts[@]}"} ${keep[@]+"${keep[@]}"} \
     PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
     DEBIAN_FRONTEND=noninteractive "$@"
+}
+
+# put_source DIR TARGET
+put_source() {
+  local at=$1$2
+  if [ -e "$at/.git" ]; then
+    git -C "$at" fetch --quiet "$root" HEAD
+    git -C "$at" checkout --quiet --force --detach FETCH_HEAD
+  else
+    git clone --quiet --no-hardlinks "$root" "$at"
+  fi
 }
 
 # remove_debian DIR

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds the last commit in a fresh, minimal Debian of a release and runs the README's two commands there. Where that
 # Debian has LASzip, a .laz that its Python module writes is smoothed, too.
-#   scripts/on_debian.sh RELEASE [DIR]             as bookworm, trixie or forky; the system is kept in DIR
+#   scripts/on_debian.sh RELEASE [DIR]             as bookworm, trixie or forky; the system is kept in DIR,
+#                                                  where a second run compiles what has changed
 #   COMPILER=clang-19 scripts/on_debian.sh trixie  that compiler of the release, or gcc-13; all is compiled, no test is run
 #   JOBS=2 scripts/on_debian.sh trixie             limits the jobs (default: all cores)
 # Needs root and debootstrap, which scripts/setup.sh nightly installs.
@@ -13,7 +14,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/scripts/minimal_debian.sh"
 
 case ${1-} in
-  -h | --help) sed -n 's/^# \{0,1\}//; 3,8p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  -h | --help) sed -n 's/^# \{0,1\}//; 3,9p' "${BASH_SOURCE[0]}"; exit 0 ;;
 esac
 if [ $# -lt 1 ] || [ $# -gt 2 ]; then
   echo "on_debian.sh takes a release, as trixie, and a folder at most" >&2
@@ -46,8 +47,7 @@ laspy.read("demo_out/scan.las").write("demo_out/scan.laz", laz_backend=laspy.Laz
 
 printf 'Debian %s in %s\n' "$release" "$system"
 [ -e "$system/etc/debian_version" ] || make_debian "$release" "$system"
-rm -rf -- "$system$source"
-git clone --quiet --no-hardlinks "$root" "$system$source"
+put_source "$system" "$source"
 
 if [ -n "${COMPILER-}" ]; then
   in_source scripts/setup.sh

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds the Debian packages of this folder's tracked files into build/packages and checks them with lintian:
-# libpcl-slim0.1, libpcl-slim-dev, pcl-slim-tools, pcl-slim-doc, and symbols for debuggers. packaging/debian describes them.
+# libpcl-slim0.1, libpcl-slim-dev, pcl-slim-tools, python3-pcl-slim, pcl-slim-doc, and symbols for debuggers. packaging/debian describes them.
 #   scripts/package.sh            a second run compiles what has changed
 #   JOBS=2 scripts/package.sh     limits the jobs (default: all cores)
 # Needs the packages of scripts/setup.sh packages. scripts/package_test.sh installs the result in a fresh system.

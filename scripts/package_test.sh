@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the packages of build/packages in a fresh, minimal Debian by apt, as their users do: fits a scan with the programs,
-# builds README's example against the development package, and removes them again.
+# runs the first example of docs/python.md, builds README's example against the development package, and removes them again.
 #   scripts/package_test.sh [RELEASE]    RELEASE: bookworm, trixie ...; that of this system if not given
 #   KEEP=1 scripts/package_test.sh       leaves the system in build/debian/RELEASE_packages
 # Needs root, and packages that scripts/package.sh has built on the same release.
@@ -80,9 +80,14 @@ step "Building README's example" sh -c 'cmake -S mine -B mine/build && cmake --b
 step "Running it" mine/build/mine
 cat -- "$root/build/log/package_test.log"
 
+page_block "$root/docs/python.md" python >"$system/test/example.py"
+step "Installing python3-pcl-slim" sh -c 'apt-get install -y ./python3-pcl-slim_*.deb'
+step "Running the first example of docs/python.md" python3 example.py
+cat -- "$root/build/log/package_test.log"
+
 step "Installing pcl-slim-doc" sh -c 'apt-get install -y ./pcl-slim-doc_*.deb && test -s /usr/share/doc/pcl-slim-doc/docs/tutorial.md'
 step "Removing all" sh -c '
   set -e
-  apt-get purge -y pcl-slim-tools libpcl-slim0.1 libpcl-slim-dev pcl-slim-doc
+  apt-get purge -y pcl-slim-tools libpcl-slim0.1 libpcl-slim-dev python3-pcl-slim pcl-slim-doc
   ! find /usr /etc /var/lib -path /var/lib/apt -prune -o -path "*pcl?slim*" -print | grep .'
 echo "The packages work in a fresh $release"

@@ -13,9 +13,9 @@ packages=(
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
 case ${1-} in ci | nightly) packages+=(git clang clang-tidy clang-format libclang-rt-14-dev doxygen python3-sphinx furo python3-myst-parser) ;; esac
-case ${1-} in packages | nightly) packages+=(git abigail-tools debhelper debootstrap dpkg-dev lintian) ;; esac
+case ${1-} in packages | nightly) packages+=(git abigail-tools debhelper debootstrap dh-python dpkg-dev lintian pybind11-dev python3-dev) ;; esac
 if [ "${1-}" = nightly ]; then
-  packages+=(chromium pybind11-dev python3-dev python3-numpy python3-pytest)
+  packages+=(chromium python3-numpy python3-pytest)
   packages+=(python3-skbuild python3-build python3-wheel python3-venv)
   command -v node >/dev/null || packages+=(nodejs)
 fi

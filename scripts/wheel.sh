@@ -46,10 +46,7 @@ quietly "Making an environment" "$work/venv.log" "$python" -m venv --system-site
 quietly "Installing the wheel" "$work/pip.log" \
   "$work/venv/bin/python" -m pip install --no-index --no-deps --no-warn-script-location "$wheel"
 cd -- "$work"
-"$work/venv/bin/python" - "$root/docs/python.md" >"$work/example.py" <<'END'
-import re, sys
-print(re.search(r"```python\n(.*?)```", open(sys.argv[1], encoding="utf-8").read(), re.S)[1])
-END
+page_block "$root/docs/python.md" python >"$work/example.py"
 quietly "Running the first example" "$work/example.log" env -u PYTHONPATH "$work/venv/bin/python" "$work/example.py"
 if "$work/venv/bin/python" -c "import pytest" 2>/dev/null; then
   quietly "Testing it" "$work/test.log" env -u PYTHONPATH -u PCL_SLIM_BIN PYTHONDONTWRITEBYTECODE=1 \

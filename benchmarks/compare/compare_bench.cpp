@@ -23,10 +23,12 @@ using change::Scan;
 using change::Score;
 
 struct Settings {
-  std::string what = "change", shapes = "sphere,torus,bumpy,relief", noises = "0.002";
-  int threads = 1, seed = 1;
-  double points = 100000, reference_points = 60000, reference_noise = 0.001, radius = 0.12,
-         cores = 4000, triangles = 1000000;
+  std::string what = "change", shapes = "sphere,torus,bumpy,relief", noises = "0.002",
+              offs = "0,0.001,0.01,0.1";
+  int threads = 1, seed = 1, repeats = 1;
+  double points = 100000, reference_points = 60000, reference_noise = 0.001, radius = 0.15,
+         cores = 2000, triangles = 1000000;
+  std::vector<double> off_values;
 };
 
 OptionTable declareOptions(Settings& s) {
@@ -41,8 +43,10 @@ OptionTable declareOptions(Settings& s) {
   options.number("reference_points", &s.reference_points, 1000, 1e8, "of the other scan");
   options.number("radius", &s.radius, 0, 1, "of the dent, share of the diagonal");
   options.number("cores", &s.cores, 100, 1e7, "points that are judged");
+  options.text("off", &s.offs, "S,...", "deviation of the places of -what cost from the reference");
   options.number("triangles", &s.triangles, 100, 1e8, "of the mesh of -what cost");
   options.integer("seed", &s.seed, 0, 1000000, "of points and noise");
+  options.integer("repeats", &s.repeats, 1, 1000, "pairs of scans, whose figures are averaged");
   options.integer("threads", &s.threads, 0, 4096, "threads of -what cost; 0: all cores");
   return options;
 }
@@ -65,14 +69,39 @@ struct Pair {
   std::vector<std::size_t> inside;  ///< in the dent
 };
 
-void printRow(const std::string& name, const Pair& pair, const Estimate& same,
-              const Estimate& dented, double threshold) {
+/** Sums over pairs of what a method found. */
+struct Row {
+  std::string name;
+  bool has_detection = true;
+  double count = 0, rms = 0, alarms = 0, detected = 0, volume = 0, volume_square = 0, detection = 0,
+         known = 0, seconds = 0;
+
+  void add(const Pair& pair, const Estimate& same, const Estimate& dented, double threshold);
+  void print() const;
+};
+
+void Row::add(const Pair& pair, const Estimate& same, const Estimate& dented, double threshold) {
   const Score flat = scoreOf(pair.same, pair.chosen, same, threshold);
   const Score hole = scoreOf(pair.dented, pair.inside, dented, threshold);
-  std::printf("| %s | %.3f | %s%.1f | %.1f | %.3f | %.3f | %.1f | %.2f |\n", name.c_str(),
-              1e3 * flat.rms / pair.same.diagonal, same.detection.empty() ? "*" : "",
-              100 * (1 - flat.within), 100 * hole.detected, hole.volume,
-              1e3 * flat.detection / pair.same.diagonal, 100 * flat.known, same.seconds);
+  has_detection = !same.detection.empty();
+  ++count;
+  rms += flat.rms / pair.same.diagonal;
+  alarms += 1 - flat.within;
+  detected += hole.detected;
+  volume += hole.volume;
+  volume_square += hole.volume * hole.volume;
+  detection += flat.detection / pair.same.diagonal;
+  known += flat.known;
+  seconds += same.seconds;
+}
+
+void Row::print() const {
+  const double mean = volume / count;
+  const double spread = std::sqrt(std::max(0.0, volume_square / count - mean * mean));
+  std::printf("| %s | %.3f | %s%.1f | %.1f | %.3f +- %.3f | %.3f | %.1f | %.2f |\n", name.c_str(),
+              1e3 * rms / count, has_detection ? "" : "*", 100 * alarms / count,
+              100 * detected / count, mean, spread, 1e3 * detection / count, 100 * known / count,
+              seconds / count);
 }
 
 std::vector<std::size_t> chooseEvenly(std::vector<std::size_t> from, std::size_t most) {
@@ -82,13 +111,12 @@ std::vector<std::size_t> chooseEvenly(std::vector<std::size_t> from, std::size_t
   return chosen;
 }
 
-/** M3C2 at the scales that are best by the truth: those of the least RMS error of the unchanged
- * scan, and, as that hides what a scale does to edges, of the dent's volume and distances. */
-void printM3C2(const Pair& pair) {
+/** The scales of M3C2 that are best by the truth: of the least error of the unchanged scan and of the
+ * dent together, of those that leave out no more than 5 % of the points. */
+change::M3C2Scales bestScales(const Pair& pair) {
   const double spacing =
       pair.same.diagonal / std::sqrt(static_cast<double>(pair.reference.points.size()));
   double least = Bounds::kInfinity;
-  Estimate best_same, best_dented;
   change::M3C2Scales best;
   for (const double normal : {4.0, 8.0, 16.0, 32.0}) {
     for (const double projection : {2.0, 4.0, 8.0, 16.0}) {
@@ -97,39 +125,29 @@ void printM3C2(const Pair& pair) {
       const Estimate same = m3c2(pair.same, pair.reference, pair.chosen, scales);
       const Estimate dented = m3c2(pair.dented, pair.reference, pair.inside, scales);
       const Score flat = scoreOf(pair.same, pair.chosen, same, 0);
-      const Score hole = scoreOf(pair.dented, pair.inside, dented, 0);
-      const double score = std::hypot(flat.rms, hole.rms);
+      const double score = std::hypot(flat.rms, scoreOf(pair.dented, pair.inside, dented, 0).rms);
       if (!(score < least) || flat.known < 0.95) continue;
       least = score;
-      best_same = same;
-      best_dented = dented;
       best = scales;
     }
   }
-  char name[64];
-  std::snprintf(name, sizeof(name), "M3C2, %.1f %.1f spacings", best.normal / spacing,
-                best.projection / spacing);
-  printRow(name, pair, best_same, best_dented, 0);
+  return best;
 }
 
-Error printShape(const Settings& s, const std::string& name, double noise) {
-  measure::Shape shape;
-  measure::parseShape(name, shape);
-  const auto seed = static_cast<std::uint64_t>(s.seed);
+/** Makes a pair of scans, whose dent is two levels of detection deep, and compares the surfaces. */
+Error makePair(const Settings& s, measure::Shape shape, double noise, std::uint64_t seed,
+               Pair& pair, TriangleMesh& mesh, double& mesh_seconds, Row& row) {
   const auto count = static_cast<std::size_t>(s.points);
-  const auto reference_count = static_cast<std::size_t>(s.reference_points);
-  Pair pair;
-  pair.reference = change::scanOf(shape, reference_count, s.reference_noise, 1000 + seed, {});
+  const auto cores = static_cast<std::size_t>(s.cores);
+  pair.reference = change::scanOf(shape, static_cast<std::size_t>(s.reference_points),
+                                  s.reference_noise, 1000 + seed, {});
   pair.same = change::scanOf(shape, count, noise, 2000 + seed, {});
   std::vector<std::size_t> all(count);
   std::iota(all.begin(), all.end(), 0);
-  pair.chosen = chooseEvenly(all, static_cast<std::size_t>(s.cores));
-  TriangleMesh mesh;
-  double mesh_seconds = 0;
+  pair.chosen = chooseEvenly(all, cores);
   const Result<Estimate> same =
       surfaceDistances(pair.same, pair.reference, pair.chosen, mesh, mesh_seconds);
   if (!same) return same.error();
-  // A dent of two levels of detection where it is.
   Dent dent;
   dent.radius = s.radius * pair.same.diagonal;
   dent.depth = 2 * scoreOf(pair.same, pair.chosen, *same, 0).detection;
@@ -138,25 +156,45 @@ Error printShape(const Settings& s, const std::string& name, double noise) {
   for (std::size_t i = 0; i < count; ++i) {
     if (pair.dented.change[i] != 0) inside.push_back(i);
   }
-  pair.inside = chooseEvenly(inside, static_cast<std::size_t>(s.cores));
+  pair.inside = chooseEvenly(inside, cores);
   const Result<Estimate> dented =
       surfaceDistances(pair.dented, pair.reference, pair.inside, mesh, mesh_seconds);
   if (!dented) return dented.error();
-  std::printf("\n%s, noise %.2f %% and %.2f %%, dent of %.3f 1e-3 L and radius %.2f L\n\n",
-              name.c_str(), 100 * noise, 100 * s.reference_noise,
-              1e3 * dent.depth / pair.same.diagonal, s.radius);
+  row.add(pair, *same, *dented, 0);
+  return {};
+}
+
+Error printShape(const Settings& s, const std::string& name, double noise) {
+  measure::Shape shape;
+  measure::parseShape(name, shape);
+  Row surfaces{"surfaces"}, best{"M3C2"}, nearest{"nearest points"}, to_mesh{"points to mesh"};
+  change::M3C2Scales scales;
+  for (int k = 0; k < s.repeats; ++k) {
+    Pair pair;
+    TriangleMesh mesh;
+    double mesh_seconds = 0;
+    if (Error error = makePair(s, shape, noise, static_cast<std::uint64_t>(s.seed + 17 * k), pair,
+                               mesh, mesh_seconds, surfaces)) {
+      return error;
+    }
+    if (k == 0) scales = bestScales(pair);
+    best.add(pair, m3c2(pair.same, pair.reference, pair.chosen, scales),
+             m3c2(pair.dented, pair.reference, pair.inside, scales), 0);
+    const Estimate near = nearestPoints(pair.same, pair.reference, pair.chosen);
+    nearest.add(pair, near, nearestPoints(pair.dented, pair.reference, pair.inside),
+                quantile(near.distance, 0.95));
+    const Estimate meshed = distancesToMesh(pair.same, mesh, mesh_seconds, pair.chosen);
+    to_mesh.add(pair, meshed, distancesToMesh(pair.dented, mesh, mesh_seconds, pair.inside),
+                quantile(meshed.distance, 0.95));
+  }
+  std::printf("\n%s, noise %.2f %% and %.2f %%, dent of radius %.2f L\n\n", name.c_str(),
+              100 * noise, 100 * s.reference_noise, s.radius);
   std::printf(
       "| method | RMS error [1e-3 L] | false alarms [%%] | dent found [%%] | its volume "
       "| detection [1e-3 L] | known [%%] | CPU s |\n|---|---|---|---|---|---|---|---|\n");
-  printRow("surfaces", pair, *same, *dented, 0);
-  printM3C2(pair);
-  const Estimate near = nearestPoints(pair.same, pair.reference, pair.chosen);
-  printRow("nearest points", pair, near, nearestPoints(pair.dented, pair.reference, pair.inside),
-           quantile(near.distance, 0.95));
-  const Estimate to_mesh = distancesToMesh(pair.same, mesh, mesh_seconds, pair.chosen);
-  printRow("points to mesh", pair, to_mesh,
-           distancesToMesh(pair.dented, mesh, mesh_seconds, pair.inside),
-           quantile(to_mesh.distance, 0.95));
+  for (const Row* row : {&surfaces, &best, &nearest, &to_mesh}) row->print();
+  std::printf("\nM3C2's radii, of the normal and of the cylinder: %.3f and %.3f\n", scales.normal,
+              scales.projection);
   std::fflush(stdout);
   return {};
 }
@@ -186,7 +224,7 @@ TriangleMesh bumpyMesh(double triangles) {
 
 void printCost(const Settings& s, const std::string& name, const DeviationReference& reference,
                double seconds) {
-  for (const double noise : {0.0, 0.001, 0.01, 0.1}) {
+  for (const double noise : s.off_values) {
     std::vector<Vector3> positions;
     {
       const Scan scan =
@@ -246,6 +284,9 @@ Exit run(Settings& s) {
   std::vector<double> noises;
   if (Error error = measure::parseShapes(s.shapes, shapes)) return Exit::usage(error);
   if (Error error = measure::parseLists({{"noise", &s.noises, 0, 1, false, &noises}})) {
+    return Exit::usage(error);
+  }
+  if (Error error = measure::parseLists({{"off", &s.offs, 0, 10, false, &s.off_values}})) {
     return Exit::usage(error);
   }
   if (s.what == "cost") return printCosts(s);

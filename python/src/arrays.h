@@ -70,13 +70,13 @@ py::array_t<T> newArray(std::vector<py::ssize_t> shape) {
 /** \brief A column of a shared object as an array that keeps the object alive; nothing is copied.
  * Open3D takes no read-only arrays: what is written changes the object. */
 template <typename T, typename Owner>
-py::array viewOf(const std::shared_ptr<Owner>& owner, const T* data, std::vector<py::ssize_t> shape,
-                 bool writable = true) {
+py::array_t<T> viewOf(const std::shared_ptr<Owner>& owner, const T* data,
+                      std::vector<py::ssize_t> shape, bool writable = true) {
   using Kept = std::shared_ptr<Owner>;
   const py::capsule keep(new Kept(owner), [](void* kept) { delete static_cast<Kept*>(kept); });
   py::array_t<T> array(std::move(shape), data, keep);
   if (!writable) array.attr("setflags")(py::arg("write") = false);
-  return std::move(array);
+  return array;
 }
 
 /** \brief A column of a vector as an array of its own memory. */

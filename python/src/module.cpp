@@ -28,6 +28,7 @@ PYBIND11_MODULE(_pcl_slim, m) {
   bindFit(m);
   bindScanFunctions(m, surface);
   bindLines(m, surface);
+  bindPaint(surface);
   bindMesh(surface, mesh);
   bindSplats(m, splats);
   bindPictures(m, surface, mesh, splats);

@@ -164,9 +164,6 @@ struct CurvatureColumns {
     normals = newArray<float>({n, 3});
     k1_at = k1.mutable_data();
     k2_at = k2.mutable_data();
-    sigma_at = sigma.mutable_data();
-    sigma_normal_at = sigma_normal.mutable_data();
-    sigma_curvature_at = sigma_curvature.mutable_data();
     mean_at = mean.mutable_data();
     gaussian_at = gaussian.mutable_data();
     normal_at = normals.mutable_data();
@@ -331,6 +328,9 @@ struct ProjectionColumns {
     normal_at = normals.mutable_data();
     k1_at = k1.mutable_data();
     k2_at = k2.mutable_data();
+    sigma_at = sigma.mutable_data();
+    sigma_normal_at = sigma_normal.mutable_data();
+    sigma_curvature_at = sigma_curvature.mutable_data();
     distance_at = distance.mutable_data();
     side_at = side.mutable_data();
   }

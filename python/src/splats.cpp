@@ -93,7 +93,7 @@ py::ssize_t sizeOf(const Splats& splats) {
   return static_cast<py::ssize_t>(splats.set.size());
 }
 
-py::array positionsOf(const Splats& splats) {
+py::array_t<double> positionsOf(const Splats& splats) {
   const SplatSet& s = splats.set;
   auto array = newArray<double>({sizeOf(splats), 3});
   double* to = array.mutable_data();
@@ -102,10 +102,10 @@ py::array positionsOf(const Splats& splats) {
     *to++ = s.origin[1] + static_cast<double>(s.y[i]);
     *to++ = s.origin[2] + static_cast<double>(s.z[i]);
   }
-  return std::move(array);
+  return array;
 }
 
-py::array normalsOf(const Splats& splats) {
+py::array_t<float> normalsOf(const Splats& splats) {
   const SplatSet& s = splats.set;
   auto array = newArray<float>({sizeOf(splats), 3});
   float* to = array.mutable_data();
@@ -114,16 +114,16 @@ py::array normalsOf(const Splats& splats) {
     *to++ = s.ny[i];
     *to++ = s.nz[i];
   }
-  return std::move(array);
+  return array;
 }
 
-py::array colorsOf(const Splats& splats) {
+py::array_t<std::uint8_t> colorsOf(const Splats& splats) {
   auto array = newArray<std::uint8_t>({sizeOf(splats), 3});
   std::uint8_t* to = array.mutable_data();
   for (const std::uint32_t rgb : splats.set.rgb) {
     for (const int shift : {16, 8, 0}) *to++ = static_cast<std::uint8_t>(rgb >> shift & 255u);
   }
-  return std::move(array);
+  return array;
 }
 
 template <typename T>

@@ -107,7 +107,7 @@ Spreads points evenly over the surface, inside its borders: no two are nearer th
 the points], and none could be added. number gives how many, in place of a spacing. Components of
 fewer than min_component points are left out.)doc";
 
-py::array leavesOf(const Surface& surface) {
+py::array_t<Leaf> leavesOf(const Surface& surface) {
   const SLIMSurface& s = surface.get();
   const std::vector<std::uint32_t> leaves = s.leaves();
   py::array_t<Leaf> rows(static_cast<py::ssize_t>(leaves.size()));
@@ -129,7 +129,7 @@ py::array leavesOf(const Surface& surface) {
     std::copy_n(s.coefficientsOf(i), stride, row.coefficients.begin());
     *leaf++ = row;
   }
-  return std::move(rows);
+  return rows;
 }
 
 double noiseOf(const SLIMSurface& s) {

@@ -50,5 +50,6 @@ void bindSurface(py::module_& m, py::class_<Surface, SurfacePointer>& type);
 void bindFit(py::module_& m);
 void bindScanFunctions(py::module_& m, py::class_<Surface, SurfacePointer>& type);
 void bindLines(py::module_& m, py::class_<Surface, SurfacePointer>& type);
+void bindPaint(py::class_<Surface, SurfacePointer>& type);
 
 }  // namespace pcl_slim::python

@@ -193,14 +193,14 @@ double PictureRequest::barShare(const ShadingParams& chosen, const ImageSize& si
   return chosen.color_bar && hasColorBar(chosen.mode) ? colorBarShare(size) : 0;
 }
 
-py::array toArray(const Image& image) {
+py::array_t<std::uint8_t> toArray(const Image& image) {
   auto array = newArray<std::uint8_t>({image.height, image.width, 4});
   std::uint8_t* pixel = array.mutable_data();
   for (std::size_t i = 0; i < image.rgb.size(); i += 3, pixel += 4) {
     std::copy_n(image.rgb.data() + i, 3, pixel);
     pixel[3] = 255;
   }
-  return std::move(array);
+  return array;
 }
 
 void bindCamera(py::module_& m) {

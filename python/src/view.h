@@ -54,7 +54,7 @@ struct PictureRequest {
 };
 
 /** \brief A picture as an array (height, width, 4) of red, green, blue and 255. */
-py::array toArray(const Image& image);
+py::array_t<std::uint8_t> toArray(const Image& image);
 
 void bindCamera(py::module_& m);
 

@@ -155,6 +155,12 @@ def test_other_errors(tmp_path):
     for bad in ({"sharp": 3}, {"tolerance": -1}, {"relax": 1000}):
         with pytest.raises(ValueError):
             surface.mesh(**bad)
+    red = np.full((len(POINTS), 3), [255, 0, 0], np.uint8)
+    for bad in ((POINTS, None), (POINTS, red[:5]), (POINTS, red, DIRECTIONS[:5]), (POINTS + 100, red), (POINTS[:0], red[:0])):
+        with pytest.raises(ValueError, match=r"^[^\n]{10,}:[^\n]+$"):
+            surface.paint(*bad)
+    with pytest.raises(TypeError, match="takes threads"):
+        surface.paint(POINTS, red, progress=print)
     with pytest.raises(ValueError):
         pcl_slim.Camera((0, 0, 0), (0, 0, 0))
     with pytest.raises(ValueError):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Results are the programs' to the last bit."""
+import json
+
 import numpy as np
 import pytest
 from conftest import bumps, columns, read_pcd, read_ply, sphere, write_pcd
@@ -93,6 +95,24 @@ def test_samples(surface, program, tmp_path):
     np.testing.assert_array_equal(got.positions.astype(expected.dtype), expected)
     np.testing.assert_array_equal(got.mean, fields["mean_curvature"])
     np.testing.assert_array_equal(got.normals, columns(fields, "normal_x normal_y normal_z"))
+
+
+@pytest.mark.parametrize("with_normals", (False, True))
+def test_paint(program, tmp_path, with_normals):
+    """The colours of another cloud on half of a surface that has its own."""
+    points, colors = bumps(15000)
+    photo, other = bumps(20000, seed=5)
+    photo, other = photo[photo[:, 2] > 0].astype(np.float32), other[photo[:, 2] > 0]
+    normals = (photo / np.linalg.norm(photo, axis=1)[:, None]).astype(np.float32) if with_normals else None
+    write_pcd(tmp_path / "scan.pcd", points.astype(np.float32), colors)
+    write_pcd(tmp_path / "photo.pcd", photo, other, normals)
+    program("pcl_slim_fit", "scan.pcd", "program.slim", "-colors", "photo.pcd", "-json", "program.json", "-quiet", 1)
+    painted = pcl_slim.fit(points.astype(np.float32), colors=colors).paint(photo, other, normals)
+    painted.save(tmp_path / "python.slim")
+    assert (tmp_path / "python.slim").read_bytes() == (tmp_path / "program.slim").read_bytes()
+    report = json.loads((tmp_path / "program.json").read_text())
+    for name in ("colors_near", "painted_leaves", "colors_normals_opposed"):
+        assert painted.statistics[name] == report[name], name
 
 
 def test_lines(surface, program, tmp_path):

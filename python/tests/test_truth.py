@@ -150,6 +150,38 @@ def test_splats_cover_the_colours():
     assert splats.kept.max() < len(points) and splats.radius.min() > 0
 
 
+def test_paint_takes_the_colours_of_another_cloud(ball):
+    """A cloud of z > .5 paints the leaves that it reaches, which are up to .6 wide, and none at the other end."""
+    surface = ball[2]
+    photo, directions = sphere(30000, 0.001, seed=7)
+    up = directions[:, 2] > 0.5
+    photo, directions = photo[up], directions[up]
+    colors = np.where(directions[:, :1] > 0, [250, 20, 20], [20, 20, 250]).astype(np.uint8)
+    painted = surface.paint(photo, colors)
+    assert painted.has_colors and not surface.has_colors  # a copy
+    mesh = painted.mesh(tolerance=0.002)
+    x, _, z = mesh.vertices.T
+    for side, expected in ((x > 0.2, [250, 20, 20]), (x < -0.2, [20, 20, 250])):
+        assert np.abs(mesh.colors[side & (z > 0.5)].astype(int) - expected).max() < 30
+    assert np.abs(mesh.colors[z < -0.8].astype(int) - 128).max() == 0  # grey where no point is
+    statistics = painted.statistics
+    assert statistics["colors_near"] == len(photo)
+    assert len(surface) / 4 < statistics["painted_leaves"] < len(surface)
+    assert painted.notes[:-1] == surface.notes and painted.notes[-1].endswith("they are grey")
+    assert "painted_leaves" not in surface.statistics
+
+
+def test_paint_uses_normals_that_face_as_the_surface_does(ball):
+    points, directions, _ = ball
+    surface = pcl_slim.fit(points, normals=directions)
+    colors = np.full((len(points), 3), [10, 200, 30], np.uint8)
+    assert not surface.paint(points, colors, directions).statistics["colors_normals_opposed"]
+    opposed = surface.paint(points, colors, -directions)
+    assert opposed.statistics["colors_normals_opposed"] and "oppose" in opposed.notes[-1]
+    same = {surface.paint(points, colors, directions, threads=n).render(size=(80, 60)).tobytes() for n in (1, 3)}
+    assert len(same) == 1
+
+
 def test_colours_of_every_kind_are_the_same():
     points, directions = sphere(5000)
     bytes_ = ((directions + 1) * 127).astype(np.uint8)

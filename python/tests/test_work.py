@@ -95,6 +95,7 @@ import os, signal, threading, time
 import numpy as np
 import conftest, pcl_slim
 points = conftest.bumps(500000)[0]
+signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start jobs in the background without it
 for share in (.1, .6):
     began = []
     def interrupt():

@@ -32,8 +32,7 @@ class Neighborhood {
 
   /** \brief Whether a stored point certainly has this number of others within a distance. Costs
    * much less than find(). \return false if rounding leaves a doubt */
-  bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
-                       const unsigned char* left_out = nullptr);
+  bool hasOthersWithin(double distance, std::size_t point, std::size_t count);
 
   /** \brief Distance of the n-th neighbour found, n >= 1; infinite if there are fewer. */
   double distance(std::size_t n) const;
@@ -100,8 +99,7 @@ std::size_t Neighborhood::find(std::size_t point, std::size_t count, const unsig
   return distances_.size();
 }
 
-bool Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count,
-                                   const unsigned char* left_out) {
+bool Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count) {
   constexpr double kRounding = 1e-5;
   const auto center = store_.position(point);
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
@@ -112,13 +110,9 @@ bool Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size
   const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
   within_sq_.resize(most);
   within_.resize(most);
-  const std::size_t found =
-      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
-                          static_cast<float>(sure * sure), within_sq_.data(), within_.data());
-  if (left_out == nullptr) return found > count;
-  const auto isOther = [&](std::uint32_t other) { return other != point && left_out[other] == 0; };
-  const auto end = within_.begin() + static_cast<std::ptrdiff_t>(found);
-  return static_cast<std::size_t>(std::count_if(within_.begin(), end, isOther)) >= count;
+  return kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
+                             static_cast<float>(sure * sure), within_sq_.data(),
+                             within_.data()) > count;
 }
 
 double Neighborhood::distance(std::size_t n) const {
@@ -202,12 +196,10 @@ constexpr double kOffPlaneShare = 0.3;  ///< least distance from its plane [dist
 /// Least share of outliers in a window from which points near the surface are tested.
 constexpr double kOutlierShare = 0.005;
 constexpr std::size_t kWindowBlocks = 128;  ///< blocks of the window to either side along the curve
-/// Least distance to the eighth inlier of a point that may be such an outlier [spacings].
-constexpr double kNearSpacings = 1.5;
 constexpr std::size_t kPlaneNeighbors = 24;  ///< inliers whose plane the point is compared with
 /// Number of nearest points that must contain at least kSpacingNeighbor inliers.
 constexpr std::size_t kPlaneCandidates = 63;
-constexpr double kHeightRatio = 4.0;   ///< least height over this plane [RMS height of the inliers]
+constexpr double kHeightRatio = 5.0;   ///< least height over this plane [RMS height of the inliers]
 constexpr double kHeightShare = 0.25;  ///< least height over this plane [distance of the inliers]
 constexpr int kMostRounds = 2;  ///< largest number of rounds: outliers hide others from the test
 /// Share of new outliers below which no other round follows [points of the cloud].
@@ -216,23 +208,20 @@ constexpr double kNegligibleShare = 0.001;
 /** One byte for each stored point; 1: it is an outlier. */
 using Marks = std::vector<unsigned char>;
 
-/** Tests all points that have fewer than kSpacingNeighbor others within a distance, and marks those
- * that the test accepts.
+/** Tests points that are not marked yet, and marks those that the test accepts.
+ * \param[in] candidates called with a block: bits of those of its points that are tested
  * \param[in] isOutlier called with the point, the marks before, and a Neighborhood
- * \param[in] blocks the blocks whose points are tested; null: all
  * \return the number of points marked */
-template <typename Test>
-std::size_t markSparse(const PointStore& store, double distance, int threads, Marks& marks,
-                       const Test& isOutlier, const std::vector<bool>* blocks = nullptr) {
-  const auto limit_sq = static_cast<float>(distance * distance);
+template <typename Candidates, typename Test>
+std::size_t markOutliers(const PointStore& store, int threads, Marks& marks,
+                         const Candidates& candidates, const Test& isOutlier) {
   const Marks before = marks;
   std::vector<Neighborhood> around(static_cast<std::size_t>(threads), Neighborhood(store));
   std::vector<std::size_t> marked(static_cast<std::size_t>(threads), 0);
   parallelFor(store.numBlocks(), threads, kTask, [&](std::size_t block, int thread) {
-    if (blocks != nullptr && !(*blocks)[block]) return;
-    std::uint32_t sparse = kernels::sparsePoints(store, block, limit_sq, kSpacingNeighbor);
-    for (; sparse != 0; sparse &= sparse - 1) {
-      const std::size_t i = block * kBlock + static_cast<std::size_t>(__builtin_ctz(sparse));
+    std::uint32_t tested = candidates(block);
+    for (; tested != 0; tested &= tested - 1) {
+      const std::size_t i = block * kBlock + static_cast<std::size_t>(__builtin_ctz(tested));
       if (i >= store.size() || before[i] != 0) continue;
       const auto t = static_cast<std::size_t>(thread);
       if (!isOutlier(i, before, around[t])) continue;
@@ -245,11 +234,20 @@ std::size_t markSparse(const PointStore& store, double distance, int threads, Ma
   return sum;
 }
 
+/** Those of a block's points that have fewer than kSpacingNeighbor others within a distance in it. */
+auto sparseWithin(const PointStore& store, double distance) {
+  const auto limit_sq = static_cast<float>(distance * distance);
+  return [&store, limit_sq](std::size_t block) {
+    return kernels::sparsePoints(store, block, limit_sq, kSpacingNeighbor);
+  };
+}
+
 /** Marks points far from all others that belong to no sparse surface or line (rules 1 and 3). */
 std::size_t markScattered(const PointStore& store, double spacing, int threads, Marks& marks) {
   const double far = kFarSpacings * spacing;
-  return markSparse(
-      store, far, threads, marks, [far](std::size_t i, const Marks&, Neighborhood& around) {
+  return markOutliers(
+      store, threads, marks, sparseWithin(store, far),
+      [far](std::size_t i, const Marks&, Neighborhood& around) {
         if (around.hasOthersWithin(far, i, kSpacingNeighbor)) return false;
         around.find(i, kFarNeighbors, nullptr, kFarNeighbors);
         return around.distance(kSpacingNeighbor) >= far &&
@@ -261,13 +259,14 @@ std::size_t markScattered(const PointStore& store, double spacing, int threads, 
 /** Marks points far from all others at least half of whose neighbours are outliers (rule 2). */
 std::size_t markAmongOutliers(const PointStore& store, double spacing, int threads, Marks& marks) {
   const double far = kFarSpacings * spacing;
-  return markSparse(
-      store, far, threads, marks, [far](std::size_t i, const Marks& known, Neighborhood& around) {
-        if (around.hasOthersWithin(far, i, kSpacingNeighbor)) return false;
-        around.find(i, kFarNeighbors, nullptr, kFarNeighbors);
-        if (around.distance(kSpacingNeighbor) < far) return false;
-        return around.find(i, kFarNeighbors, known.data(), kFarNeighbors) <= kFarNeighbors / 2;
-      });
+  return markOutliers(store, threads, marks, sparseWithin(store, far),
+                      [far](std::size_t i, const Marks& known, Neighborhood& around) {
+                        if (around.hasOthersWithin(far, i, kSpacingNeighbor)) return false;
+                        around.find(i, kFarNeighbors, nullptr, kFarNeighbors);
+                        if (around.distance(kSpacingNeighbor) < far) return false;
+                        return around.find(i, kFarNeighbors, known.data(), kFarNeighbors) <=
+                               kFarNeighbors / 2;
+                      });
 }
 
 /** The blocks in whose window many points are outliers. */
@@ -288,20 +287,17 @@ std::vector<bool> blocksAmongOutliers(const PointStore& store, const Marks& mark
 
 /** Marks points off the surface, but near it: those with few inliers around, and those off the
  * plane of these. */
-std::size_t markNearSurface(const PointStore& store, double spacing, int threads, Marks& marks) {
+std::size_t markNearSurface(const PointStore& store, int threads, Marks& marks) {
   const std::vector<bool> among = blocksAmongOutliers(store, marks);
-  const double close = kNearSpacings * spacing;
-  return markSparse(
-      store, close, threads, marks,
-      [close](std::size_t i, const Marks& known, Neighborhood& around) {
-        if (around.hasOthersWithin(close, i, kSpacingNeighbor, known.data())) return false;
+  constexpr std::uint32_t kAll = (std::uint32_t{1} << kBlock) - 1;
+  return markOutliers(
+      store, threads, marks, [&among](std::size_t block) { return among[block] ? kAll : 0; },
+      [](std::size_t i, const Marks& known, Neighborhood& around) {
         if (around.find(i, kPlaneNeighbors, known.data(), kPlaneNeighbors) < kPlaneNeighbors &&
             around.find(i, kPlaneNeighbors, known.data(), kPlaneCandidates) < kSpacingNeighbor)
           return true;
-        return around.distance(kSpacingNeighbor) >= close &&
-               around.isOffPlane(kHeightRatio, kHeightShare);
-      },
-      &among);
+        return around.isOffPlane(kHeightRatio, kHeightShare);
+      });
 }
 
 }  // namespace
@@ -326,7 +322,7 @@ std::vector<std::uint32_t> findOutliers(const PointStore& store, int threads, do
   if (markScattered(store, spacing, threads, marks) == 0) return {};
   markAmongOutliers(store, spacing, threads, marks);
   for (int round = 0; round < kMostRounds; ++round) {
-    const std::size_t marked = markNearSurface(store, spacing, threads, marks);
+    const std::size_t marked = markNearSurface(store, threads, marks);
     if (static_cast<double>(marked) < kNegligibleShare * static_cast<double>(n)) break;
   }
   std::vector<std::uint32_t> outliers;

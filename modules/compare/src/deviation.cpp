@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pcl_slim/core/parallel.h"
+#include "place_order.h"
 
 namespace pcl_slim {
 
@@ -48,6 +49,35 @@ Vector3 Deviations::foot(const DeviationPlaces& places, std::size_t i) const {
 double levelOfDetection(double sigma_place, double sigma_reference, double registration_error) {
   return kNormal95 * (std::sqrt(sigma_place * sigma_place + sigma_reference * sigma_reference) +
                       registration_error);
+}
+
+Result<double> facingShare(const DeviationReference& reference, const DeviationPlaces& places,
+                           const FootParams& params, Progress* progress) {
+  if (Error error = params.validate()) return error;
+  constexpr std::size_t kMostPlaces = 2000;
+  std::vector<Vector3> positions;
+  std::vector<Vector3> normals;
+  if (places.normals) {
+    for (const std::uint32_t i : detail::evenChoice(places.positions, places.count, kMostPlaces,
+                                                    resolveThreads(params.threads))) {
+      const auto& n = places.normals[i];
+      positions.push_back(places.positions[i]);
+      normals.push_back({n[0], n[1], n[2]});
+    }
+  }
+  DeviationPlaces chosen;
+  chosen.positions = positions.data();
+  chosen.count = positions.size();
+  std::vector<ReferenceFoot> feet;
+  if (Error error = reference.find(chosen, params, feet, progress)) return error;
+  double facing = 0, compared = 0;
+  for (std::size_t k = 0; k < feet.size(); ++k) {
+    const double cosine = dot(feet[k].normal, normals[k]);
+    if (feet[k].state != FootState::kFound || !std::isfinite(cosine) || cosine == 0) continue;
+    ++compared;
+    facing += cosine > 0;
+  }
+  return compared > 0 ? facing / compared : std::numeric_limits<double>::quiet_NaN();
 }
 
 Error measureDeviations(const DeviationReference& reference, const DeviationPlaces& places,

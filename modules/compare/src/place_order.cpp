@@ -2,7 +2,6 @@
 #include "place_order.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/cloud/morton_sort.h"
@@ -47,6 +46,21 @@ AlignedVector<std::uint32_t> mortonOrder(const Vector3* places, std::size_t coun
   AlignedVector<std::uint32_t> order;
   sortByKey(keys, order, threads);
   return order;
+}
+
+std::vector<std::uint32_t> evenChoice(const Vector3* places, std::size_t count, std::size_t most,
+                                      int threads) {
+  std::size_t finite = 0;
+  const auto order = mortonOrder(places, count, threads, finite);
+  std::vector<std::uint32_t> chosen(std::min(finite, most));
+  // In double: products of two counts may be too large for 64 bits of an integer.
+  const double step =
+      static_cast<double>(finite) / static_cast<double>(std::max<std::size_t>(chosen.size(), 1));
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    chosen[k] =
+        order[std::min(static_cast<std::size_t>(static_cast<double>(k) * step), finite - 1)];
+  }
+  return chosen;
 }
 
 }  // namespace pcl_slim::detail

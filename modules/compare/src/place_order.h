@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/vector3.h"
@@ -14,6 +15,10 @@ namespace pcl_slim::detail {
  * places. \param[out] finite how many are finite */
 AlignedVector<std::uint32_t> mortonOrder(const Vector3* places, std::size_t count, int threads,
                                          std::size_t& finite);
+
+/** \brief Up to most finite places, evenly along their Morton order. */
+std::vector<std::uint32_t> evenChoice(const Vector3* places, std::size_t count, std::size_t most,
+                                      int threads);
 
 /** Places of one run are treated by one thread in their order, so that each search can begin with the
  * result of the one before. */

@@ -49,7 +49,6 @@ double slopeOf(Loss loss, double deviations) {
 struct Moved {
   std::vector<Vector3> start;  ///< as given
   std::vector<std::array<float, 3>> start_normals;
-  std::vector<float> sigma;
   std::vector<Vector3> positions;  ///< moved
   std::vector<std::array<float, 3>> normals;
   std::vector<ReferenceFoot> feet;
@@ -90,23 +89,17 @@ Vector6 Moved::row(std::size_t i, const Vector3& center) const {
   return x;
 }
 
-/** An even choice of the finite places along their Morton order. */
+/** An even choice of the finite places. */
 Moved chosenPlaces(const DeviationPlaces& places, std::size_t most, int threads) {
-  std::size_t finite = 0;
-  const auto order = mortonOrder(places.positions, places.count, threads, finite);
   Moved moved;
   moved.oriented = places.oriented;
-  const std::size_t count = std::min(finite, most);
   Bounds box;
-  for (std::size_t k = 0; k < count; ++k) {
-    // In double: products of two counts may be too large for 64 bits of an integer.
-    const auto at = static_cast<std::size_t>(static_cast<double>(k) * static_cast<double>(finite) /
-                                             static_cast<double>(count));
-    const std::uint32_t i = order[std::min(at, finite - 1)];
+  for (const std::uint32_t i : evenChoice(places.positions, places.count, most, threads)) {
     moved.start.push_back(places.positions[i]);
     box.add(places.positions[i]);
     if (places.normals) moved.start_normals.push_back(places.normals[i]);
   }
+  const std::size_t count = moved.start.size();
   moved.positions = moved.start;
   moved.normals = moved.start_normals;
   if (count == 0) return moved;

@@ -85,16 +85,20 @@ Result<std::array<double, 2>> paintUncertainty(SLIMSurface& surface,
                  "the surface has no standard error anywhere: fit it to points with noise"};
   }
   std::vector<std::array<std::uint8_t, 3>> bgr;
-  for (const StandardErrors& e : errors) {
-    bgr.push_back(bgrOf(color((e.position - shown[0]) / (shown[1] - shown[0]))));
+  Places known;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (!(errors[k].position > 0)) continue;  // a place that no leaf supports
+    known.positions.push_back(places.positions[k]);
+    known.normals.push_back(places.normals[k]);
+    bgr.push_back(bgrOf(color((errors[k].position - shown[0]) / (shown[1] - shown[0]))));
   }
   CloudView cloud;
-  cloud.xyz = places.positions.data();
+  cloud.xyz = known.positions.data();
   cloud.xyz_stride = sizeof(Vector3);
   cloud.scalar = CloudView::Scalar::kDouble;
-  cloud.size = places.positions.size();
-  cloud.normal = places.normals.data();
-  cloud.normal_stride = sizeof(places.normals[0]);
+  cloud.size = known.positions.size();
+  cloud.normal = known.normals.data();
+  cloud.normal_stride = sizeof(known.normals[0]);
   ColorView colors;
   colors.bgr = bgr.data();
   colors.stride = sizeof(bgr[0]);

@@ -44,6 +44,29 @@ TEST(FitOutliers, NoiseIsThatOfTheSurface) {
   }
 }
 
+/** A unit sphere with thin noise, and points spread over a box of 3 about it: many are so near to it
+ * that it has eight points within the spacing. */
+TEST(FitOutliers, NoiseIsThatOfTheSurfaceAmongMany) {
+  constexpr double kThin = 0.001;
+  for (const double share : {0.1, 0.2}) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> inside(-1.5, 1.5);
+    Cloud cloud;
+    for (int i = 0; i < 10000; ++i) {
+      std::array<double, 3> p;
+      const bool scattered = i < 10000 * share;
+      for (double& x : p) x = scattered ? inside(random) : normal(random);
+      const double length = std::hypot(p[0], p[1], p[2]);
+      for (double& x : p) x = scattered ? x : x / length + kThin * normal(random);
+      cloud.add(p[0], p[1], p[2]);
+    }
+    const Fitted f = fitted(cloud);
+    const double sigma = std::sqrt(f.statistics.lambda) * f.store.diagonal() * f.store.scale();
+    EXPECT_NEAR(sigma / kThin, 1.0, 0.2) << share;
+  }
+}
+
 TEST(FitOutliers, CarryNoSurfaceUnlessAsked) {
   const Cloud cloud = torusAmongOutliers(0.05);
   const Fitted without = fitted(cloud);

@@ -142,6 +142,15 @@ class PCL_SLIM_EXPORT DeviationReference {
   std::unique_ptr<Data> data_;
 };
 
+/** \brief Share of places whose normal is less than 90 degrees from that of their nearest place of the
+ * reference, borders left out; NaN where there is nothing to compare. Below 1/2 the places' normals
+ * as a whole point to the other side, as those of two open scans may that were turned each by
+ * itself: turn them round before sides are used. Of 2,000 places at most, evenly along their Morton
+ * order. \return an error for bad parameters or cancellation. */
+PCL_SLIM_EXPORT Result<double> facingShare(const DeviationReference& reference,
+                                           const DeviationPlaces& places, const FootParams& params,
+                                           Progress* progress = nullptr);
+
 /** \brief What a deviation means. */
 enum class DeviationClass : std::uint8_t {
   kSame,           ///< within the level of detection
