@@ -24,5 +24,9 @@ tail -c "+$((head + 1))" lion.pcd | od -An -v "-w$((4 * values))" -t f4 |
   awk '{ print $1, $2, $3 > (NR % 2 ? "odd.xyz" : "even.xyz") }'
 compare odd.xyz even.xyz -picture halves.png -unit m
 
+# A part as drawn, from its scan.
+compare "$data/fandisk_03_original.ply" "$data/fandisk_03_noisy.ply" -faces a -picture part.png
+
 montage -font "$font" -pointsize 15 -label 'a dent of 1.5 mm' dent.png -label 'raw scans from their mesh' bunny.png \
-  -label 'half of a scan from the other' halves.png -tile x1 -geometry +2+2 "${png[@]}" "$out/deviations.png"
+  -label 'half of a scan from the other' halves.png -label 'a drawing from a noisy scan' part.png -tile 2x -geometry +2+2 \
+  "${png[@]}" "$out/deviations.png"
