@@ -51,6 +51,9 @@ expect 0 '' after.pcd before.pcd out1.pcd -threads 1 -quiet 1
 [ ! -s out.txt ] || complain '-quiet is not quiet'
 same out.pcd out1.pcd
 
+"$bin/$program" - before.pcd - < after.pcd > stream.pcd 2> err.txt || complain "streams fail: $(cat err.txt)"
+same out.pcd stream.pcd
+
 # Two scans of one sheet: few false alarms.
 expect 0 '' again.pcd before.pcd -json r.json
 between 0 "$(sed -n '/"significant_up": {/,/}/s/.*"area": \([^,]*\).*/\1/p' r.json | head -n 1)" .2 'the area of false alarms'
