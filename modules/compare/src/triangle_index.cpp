@@ -36,9 +36,6 @@ struct TriangleIndex::Data {
 
 void TriangleIndex::Data::build(const TriangleMesh& mesh, const WeldedTriangles& welded,
                                 int threads) {
-  for (const std::uint32_t t : welded.original) {
-    for (const std::uint32_t v : mesh.triangles[t]) bounds.add(mesh.vertices[v]);
-  }
   for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * bounds.low[a] + 0.5 * bounds.high[a];
   std::vector<Vector3> places(welded.num_vertices, Vector3{});
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -145,8 +142,17 @@ Result<TriangleIndex> TriangleIndex::make(const TriangleMesh& mesh, int threads,
         "the mesh has no triangle with three different finite corners: give one that has a "
         "surface");
   }
+  Bounds box;
+  for (const std::uint32_t t : welded.original) {
+    for (const std::uint32_t v : mesh.triangles[t]) box.add(mesh.vertices[v]);
+  }
+  constexpr double kWidest = 1e18;  // its square is a float
+  if (!(box.diagonal() < kWidest)) {
+    return badInput("the mesh is more than 1e18 units wide: drop the vertices that are far away");
+  }
   if (progress && progress->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
   auto data = std::make_unique<Data>();
+  data->bounds = box;
   data->build(mesh, welded, resolveThreads(threads));
   if (progress && progress->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
   return TriangleIndex(std::move(data));

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "pcl_slim/compare/deviation.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 #include "support/meshes.h"
 
@@ -54,6 +58,22 @@ inline void append(const pcl_slim::TriangleMesh& more, pcl_slim::TriangleMesh& m
     for (auto& v : triangle) v += first;
     mesh.triangles.push_back(triangle);
   }
+}
+
+/** The mesh as an exact reference. */
+inline pcl_slim::DeviationReference referenceTo(const pcl_slim::TriangleMesh& mesh) {
+  pcl_slim::Result<pcl_slim::DeviationReference> made =
+      pcl_slim::DeviationReference::make(mesh, {}, 1);
+  EXPECT_TRUE(made) << made.error().message;
+  return std::move(*made);
+}
+
+/** A surface, which must outlive the reference. */
+inline pcl_slim::DeviationReference referenceTo(const pcl_slim::SLIMSurface& surface) {
+  pcl_slim::Result<pcl_slim::DeviationReference> made =
+      pcl_slim::DeviationReference::make(surface, 1);
+  EXPECT_TRUE(made) << made.error().message;
+  return std::move(*made);
 }
 
 /** Signed distance from the box of half widths size about the origin; negative inside. */

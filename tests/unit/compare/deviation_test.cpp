@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "support/clouds.h"
+#include "support/sphere_surface.h"
 #include "unit/compare/compare_meshes.h"
 
 namespace {
@@ -55,18 +56,6 @@ Places plate(double low, double high, int n = 60) {
     }
   }
   return made;
-}
-
-DeviationReference referenceTo(const SLIMSurface& surface) {
-  Result<DeviationReference> made = DeviationReference::make(surface, 1);
-  EXPECT_TRUE(made) << made.error().message;
-  return std::move(*made);
-}
-
-DeviationReference referenceTo(const TriangleMesh& mesh) {
-  Result<DeviationReference> made = DeviationReference::make(mesh, {}, 1);
-  EXPECT_TRUE(made) << made.error().message;
-  return std::move(*made);
 }
 
 Deviations measured(const DeviationReference& reference, const DeviationPlaces& places,
@@ -355,6 +344,30 @@ TEST(Deviation, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(a.state, b.state);
   EXPECT_EQ(a.offset, b.offset);
   EXPECT_EQ(a.detection, b.detection);
+}
+
+TEST(Deviation, SurvivesLeavesThatDoNotAgree) {
+  // Polynomials at random: there is no smooth surface, but each foot is what it says.
+  const SLIMSurface surface = sphereSurface(4, 300);
+  const DeviationReference reference = referenceTo(surface);
+  Places places;
+  for (const Vector3& p : randomPlaces(500, 3, 31)) {
+    places.add(along(surface.info.origin, 1, p), normalized(p));
+  }
+  places.add({1e300, 0, 0}, {0, 0, 1});
+  places.add({1e30, 1e30, 0}, {0, 0, 0});
+  std::vector<ReferenceFoot> feet;
+  ASSERT_FALSE(reference.find(places.view(), {}, feet));
+  std::size_t found = 0;
+  for (std::size_t i = 0; i + 2 < feet.size(); ++i) {
+    if (feet[i].state != FootState::kFound) continue;
+    ++found;
+    const double off = length(subtract(places.positions[i], feet[i].position));
+    EXPECT_LE(std::abs(feet[i].distance), off * (1 + 1e-6) + 1e-9);
+    EXPECT_NEAR(length(feet[i].normal), 1, 1e-6);
+    EXPECT_TRUE(std::isfinite(feet[i].sigma));
+  }
+  EXPECT_GT(found, 100u);
 }
 
 TEST(Deviation, NamesWhatIsWrong) {

@@ -43,12 +43,6 @@ Registration registered(const DeviationReference& reference, const std::vector<V
   return made ? *made : Registration();
 }
 
-DeviationReference meshReference(const TriangleMesh& mesh) {
-  Result<DeviationReference> made = DeviationReference::make(mesh, {}, 1);
-  EXPECT_TRUE(made);
-  return std::move(*made);
-}
-
 void moveBy(const RigidMotion& motion, std::vector<Vector3>& places) {
   for (Vector3& p : places) p = motion.place(p);
 }
@@ -73,7 +67,7 @@ TEST(Registration, MotionsComposeAndHaveMatrices) {
 TEST(Registration, RecoversAMotionWithinItsErrors) {
   // A box has all six numbers. The error of each, over repeated noise, is what is stated.
   const TriangleMesh box = boxMesh(14, {1, 0.7, 0.4}, {1000, 2000, 30});
-  const DeviationReference reference = meshReference(box);
+  const DeviationReference reference = referenceTo(box);
   const RigidMotion motion =
       detail::rigidMotion({0.02, -0.01, 0.015}, {0.01, 0.02, -0.015}, {1000, 2000, 30});
   double squares[6] = {};
@@ -129,7 +123,7 @@ TEST(Registration, KnowsWhatAShapeDoesNotDetermine) {
     int rank;
   } bodies[] = {{plane, 3}, {trianglesOf(sphereMesh(30)), 3}, {cylinder, 4}};
   for (const auto& body : bodies) {
-    const DeviationReference reference = meshReference(body.mesh);
+    const DeviationReference reference = referenceTo(body.mesh);
     std::vector<Vector3> places = placesOn(body.mesh, 0.002, 3);
     moveBy(detail::rigidMotion({0.003, 0.004, 0.005}, {0.004, -0.003, 0.005}, {1, 1, 0}), places);
     const Registration found = registered(reference, places);
@@ -144,7 +138,7 @@ TEST(Registration, KnowsWhatAShapeDoesNotDetermine) {
     }
     EXPECT_NEAR(found.rms_after, 0.002, 4e-4);
   }
-  const DeviationReference reference = meshReference(plane);
+  const DeviationReference reference = referenceTo(plane);
   std::vector<Vector3> places = placesOn(plane, 0.001, 5);
   for (Vector3& p : places) p = along(p, 0.05, {1, 1, 1});
   const Registration found = registered(reference, places);
@@ -160,7 +154,7 @@ TEST(Registration, ALocalChangeHasNoInfluence) {
   // A tenth of the places is pushed in by 5 deviations of the noise; a least-squares fit would take
   // up a tenth of it.
   const TriangleMesh box = boxMesh(20, {1, 0.7, 0.4});
-  const DeviationReference reference = meshReference(box);
+  const DeviationReference reference = referenceTo(box);
   std::vector<Vector3> places = placesOn(box, 0.002, 9);
   std::size_t pushed = 0;
   for (Vector3& p : places) {
@@ -176,7 +170,7 @@ TEST(Registration, ALocalChangeHasNoInfluence) {
 
 TEST(Registration, ErrorsGrowWithFewerIndependentPoints) {
   const TriangleMesh box = boxMesh(8, {1, 0.7, 0.4});
-  const DeviationReference reference = meshReference(box);
+  const DeviationReference reference = referenceTo(box);
   const std::vector<Vector3> places = placesOn(box, 0.003, 1);
   RegistrationParams params;
   const Registration all = registered(reference, places, params);
@@ -217,7 +211,7 @@ TEST(Registration, OnASurfaceAndTheSameForAnyThreads) {
 }
 
 TEST(Registration, NamesWhatIsWrong) {
-  const DeviationReference reference = meshReference(boxMesh(2, {1, 1, 1}));
+  const DeviationReference reference = referenceTo(boxMesh(2, {1, 1, 1}));
   const std::vector<Vector3> few = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   DeviationPlaces places;
   places.positions = few.data();

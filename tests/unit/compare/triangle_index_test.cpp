@@ -205,6 +205,25 @@ TEST(TriangleIndex, TreatsManyPlacesAsOneByOneForAnyThreads) {
   }
 }
 
+TEST(TriangleIndex, FarPlacesAndDeepTreesAreNoTrouble) {
+  // Triangles at distances that double: every split at the middle of the box leaves one on a side.
+  TriangleMesh mesh;
+  for (std::uint32_t t = 0; t < 40; ++t) {
+    const double x = std::ldexp(1e-4, static_cast<int>(t));
+    for (const Vector3& p : {Vector3{x, 0, 0}, Vector3{x, 1, 0}, Vector3{x, 0, 1}}) {
+      mesh.vertices.push_back(p);
+    }
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  const TriangleIndex index = indexOf(mesh);
+  for (int t = 20; t < 39; ++t) {
+    const double x = std::ldexp(1e-4, t);
+    EXPECT_NEAR(index.nearest({1.25 * x, 0.2, 0.2}).position[0] / x, 1, 1e-9);
+  }
+  EXPECT_TRUE(index.nearest({1e30, 1e30, 0}).found());
+  EXPECT_FALSE(index.nearest({1e300, 0, 0}).found());
+}
+
 TEST(TriangleIndex, NamesWhatIsWrong) {
   EXPECT_EQ(TriangleIndex::make({}).error().code, ErrorCode::kBadInput);
   TriangleMesh mesh = boxMesh(1, {1, 1, 1});
@@ -212,6 +231,7 @@ TEST(TriangleIndex, NamesWhatIsWrong) {
   const Result<TriangleIndex> made = TriangleIndex::make(mesh);
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().message.find("vertex 99 of 8"), std::string::npos);
+  EXPECT_EQ(TriangleIndex::make(boxMesh(1, {1e300, 1, 1})).error().code, ErrorCode::kBadInput);
 }
 
 }  // namespace

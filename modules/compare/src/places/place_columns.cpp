@@ -73,26 +73,10 @@ PlaceColumns placesOf(const CloudView& cloud, const CloudProjection& projection,
 
 Result<bool> facesAway(const DeviationReference& reference, const PlaceColumns& places,
                        const FootParams& params) {
-  constexpr std::size_t kMost = 4096;
   if (!places.oriented || !reference.oriented() || places.normals.empty()) return false;
-  PlaceColumns some;
-  const std::size_t step = std::max<std::size_t>(1, (places.size() + kMost - 1) / kMost);
-  for (std::size_t i = 0; i < places.size(); i += step) {
-    some.positions.push_back(places.positions[i]);
-    some.normals.push_back(places.normals[i]);
-  }
-  FootParams nearest = params;
-  nearest.sides = false;
-  std::vector<ReferenceFoot> feet;
-  if (Error error = reference.find(some.view(), nearest, feet)) return error;
-  std::size_t alike = 0, opposed = 0;
-  for (std::size_t k = 0; k < feet.size(); ++k) {
-    if (feet[k].state != FootState::kFound) continue;
-    const double cosine = dot(feet[k].normal, widened(some.normals[k]));
-    alike += cosine > 0.0;
-    opposed += cosine < 0.0;
-  }
-  return opposed > alike;
+  const Result<double> share = facingShare(reference, places.view(), params);
+  if (!share) return share.error();
+  return *share < 0.5;
 }
 
 }  // namespace pcl_slim

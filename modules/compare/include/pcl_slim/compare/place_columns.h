@@ -56,8 +56,7 @@ PCL_SLIM_EXPORT double noiseOf(const SLIMSurface& surface);
  * of the two are then the other's turned round, as those of open scans may be. False where either
  * is not oriented, or nothing is near.
  *
- * Looks at up to 4096 places, evenly along their order. \return an error of
- * DeviationReference::find(). */
+ * Looks at the places that facingShare() chooses. \return its error. */
 PCL_SLIM_EXPORT Result<bool> facesAway(const DeviationReference& reference,
                                        const PlaceColumns& places, const FootParams& params);
 
