@@ -76,7 +76,7 @@ OptionTable declareOptions(Settings& s) {
                 "a scan, a surface (.slim .pcd .ply .vtp) or a mesh (.stl .obj .ply .off .vtp)");
   options.input("B", &s.reference, "the reference: likewise");
   options.optionalOutput("OUT.pcd|.ply|.las|.vtp", &s.files.output,
-                         "A with deviation level_of_detection significant sigma_position", "");
+                         "A with deviation level_of_detection significant sigma_position", ".pcd");
   declareComparison(options, s);
   s.drawing.declare(options);
   s.section.declare(options);

@@ -16,9 +16,7 @@ const std::vector<ProgramEntry>& programs() {
       {"lines", "pcl_slim_lines", "Traces the ridges and ravines of a scan as polylines.", ""},
       {"sample", "pcl_slim_sample", "Spreads points evenly over the SLIM surface of a scan.", ""},
       {"compare", "pcl_slim_compare",
-       "Measures how far a scan, a surface or a mesh is from another one, and what is more than "
-       "noise.",
-       ""},
+       "Measures what has changed between two scans, surfaces or meshes.", ""},
       {"splats", "pcl_color_splat_sampling",
        "Thins a coloured scan to discs that cover its surface.", ""},
       {"render", "pcl_slim_render", "Draws a surface, splats or a mesh: a picture or a web page.",

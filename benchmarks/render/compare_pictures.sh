@@ -17,8 +17,16 @@ compare after.pcd before.pcd -picture dent.png -view 30,10 -unit m
 # Raw scans and the mesh that was made of them.
 compare "$data/stanford_bunny_raw_scans.pcd" "$data/stanford_bunny_zipper.ply" -picture bunny.png -unit m
 
-# A noisy scan and its truth.
-compare "$data/julius_02_noisy.ply" "$data/julius_02_original.ply" -faces b -picture julius.png
+# Two halves of one scan: every other point.
+"$bin/pcl_slim_curvature" "$data/lion_takanawa.pcd" lion.pcd -quiet  # a file that is not compressed
+head=$(sed '/^DATA/q' lion.pcd | wc -c) values=$(sed -n '/^FIELDS/ { s/^FIELDS //p; q }' lion.pcd | wc -w)
+tail -c "+$((head + 1))" lion.pcd | od -An -v "-w$((4 * values))" -t f4 |
+  awk '{ print $1, $2, $3 > (NR % 2 ? "odd.xyz" : "even.xyz") }'
+compare odd.xyz even.xyz -picture halves.png -unit m
+
+# A part as drawn, from its scan.
+compare "$data/fandisk_03_original.ply" "$data/fandisk_03_noisy.ply" -faces a -picture part.png
 
 montage -font "$font" -pointsize 15 -label 'a dent of 1.5 mm' dent.png -label 'raw scans from their mesh' bunny.png \
-  -label 'a noisy scan from the truth' julius.png -tile x1 -geometry +2+2 "${png[@]}" "$out/deviations.png"
+  -label 'half of a scan from the other' halves.png -label 'a drawing from a noisy scan' part.png -tile 2x -geometry +2+2 \
+  "${png[@]}" "$out/deviations.png"

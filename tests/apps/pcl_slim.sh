@@ -11,7 +11,7 @@ for option in -h -help --help help; do
   expect 0 '' $option
   same out.txt list.txt
 done
-for command in fit smooth mesh curvature lines sample splats render view benchmark fit_mpi demo_scan help; do
+for command in fit smooth mesh curvature lines sample compare splats render view benchmark fit_mpi demo_scan help; do
   [ "$(grep -c "^  $command " list.txt)" -eq 1 ] || complain "$command is not in the list"
 done
 [ "$(awk 'length > 79' list.txt | grep -vc 'not installed')" -eq 0 ] || complain "$(awk 'length > 79' list.txt)"
@@ -74,7 +74,7 @@ grep -q "pcl_slim_view is not installed, as it is built with VTK's rendering" er
 PATH=/usr/bin:/bin alone/pcl_slim smooth x 2> err.txt && complain 'smooth without its program'
 grep -q 'pcl_slim_smooth is not installed; see' err.txt || complain "$(cat err.txt)"
 PATH=/usr/bin:/bin alone/pcl_slim > out.txt
-[ "$(grep -c '(not installed)$' out.txt)" -eq 12 ] || complain "$(cat out.txt)"
+[ "$(grep -c '(not installed)$' out.txt)" -eq 13 ] || complain "$(cat out.txt)"
 (PATH=$bin:$PATH && alone/pcl_slim fit scan.pcd d.slim -quiet) || complain 'not found in PATH'
 same d.slim long.slim
 

@@ -176,7 +176,8 @@ TEST(SLIMDeviation, FindsAShallowDentAndItsVolume) {
     }
   }
   EXPECT_GT(static_cast<double>(found), 0.99 * static_cast<double>(deep));
-  EXPECT_LT(static_cast<double>(wrong), 0.05 * static_cast<double>(far));
+  // 5 % of what is unchanged, of some 60 leaves whose points share an error: +- 2.8 %.
+  EXPECT_LT(static_cast<double>(wrong), (0.05 + 2 * 0.028) * static_cast<double>(far));
   EXPECT_LT(worst, 3 * kNoise);
   // The integral of the dent: pi r^2 depth / 3; the rim is not significant.
   const double volume = std::acos(-1.0) * kRadius * kRadius * kDepth / 3;

@@ -222,8 +222,8 @@ std::string legendHtml(const DeviationScale& scale) {
   html +=
       "</div><i style=\"background:" + cssColor(insignificantColor()) +
       "\"></i><span>not significant</span><i style=\"background:" + cssColor(noCounterpartColor()) +
-      "\"></i><span>no counterpart</span><div>level of detection ±" +
-      JsonText::number(scale.level, 2) + " (median)</div></div>";
+      "\"></i><span>no counterpart</span><div>level of detection " + levelText(scale) +
+      "</div></div>";
   return html;
 }
 

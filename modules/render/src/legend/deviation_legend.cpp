@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/render/detail/bar_text.h"
@@ -68,6 +69,12 @@ Color insignificantColor() {
 
 Color noCounterpartColor() {
   return {0.33f, 0.34f, 0.36f};
+}
+
+std::string levelText(const DeviationScale& scale) {
+  char rounded[32];
+  std::snprintf(rounded, sizeof rounded, "%.2g", scale.level);
+  return "±" + printedTick(tickText(std::strtod(rounded, nullptr))) + " (median)";
 }
 
 std::array<std::uint8_t, 3> bytesOf(const Color& color) {
@@ -176,10 +183,8 @@ class LegendPainter {
     const double first = at_.bar_top + at_.bar_height + 1.3 * line;
     paintEntry(first, insignificantColor(), "not significant");
     paintEntry(first + line, noCounterpartColor(), "no counterpart");
-    char level[48];
-    std::snprintf(level, sizeof level, "%.2g", scale_.level);
     text(0.0, first + 2.3 * line, "level of detection");
-    text(0.0, first + 3.3 * line, "±" + std::string(level) + " (median)");
+    text(0.0, first + 3.3 * line, levelText(scale_));
   }
 
   const DeviationScale& scale_;

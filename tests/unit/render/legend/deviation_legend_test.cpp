@@ -82,6 +82,12 @@ struct Column {
   }
 };
 
+TEST(DeviationLegend, LevelsArePrintedWithTwoDigits) {
+  EXPECT_EQ(levelText({1.0, 0.12345, ""}), "±0.12 (median)");
+  EXPECT_EQ(levelText({1.0, 4.149e-5, ""}), "±4.1·10⁻⁵ (median)");
+  EXPECT_EQ(levelText({1.0, 0.0, ""}), "±0 (median)");
+}
+
 TEST(DeviationLegend, GreyBandIsTheLevelOfDetection) {
   for (const ImageSize size : {ImageSize{640, 480}, ImageSize{800, 600}, ImageSize{2000, 1500}}) {
     const double share = deviationLegendShare(size);

@@ -42,6 +42,9 @@ PCL_SLIM_EXPORT Color insignificantColor();
 /** \brief Dark grey: the reference has no counterpart there. */
 PCL_SLIM_EXPORT Color noCounterpartColor();
 
+/** \brief "±4.1·10⁻⁵ (median)": the typical level of detection as legends show it; UTF-8. */
+PCL_SLIM_EXPORT std::string levelText(const DeviationScale& scale);
+
 /** \brief A colour as three bytes. */
 PCL_SLIM_EXPORT std::array<std::uint8_t, 3> bytesOf(const Color& color);
 
