@@ -15,11 +15,11 @@ namespace pcl_slim {
 /** \brief Triangles over shared vertices; corners go round counter-clockwise as seen from outside.
  */
 struct PCL_SLIM_EXPORT TriangleMesh {
-  std::vector<Vector3> vertices;                    ///< world coordinates
-  std::vector<std::array<float, 3>> normals;        ///< unit, one a vertex
-  std::vector<float> k1, k2;                        ///< principal curvatures, k1 >= k2, 1/length
+  std::vector<Vector3> vertices;              ///< world coordinates
+  std::vector<std::array<float, 3>> normals;  ///< unit, one a vertex
+  std::vector<float> k1, k2;                  ///< principal curvatures, k1 >= k2, 1/length
   std::vector<float> sigma;  ///< standard error of a vertex along its normal, or empty
-  std::vector<std::array<std::uint8_t, 3>> colors;  ///< red green blue a vertex, or empty
+  std::vector<std::array<std::uint8_t, 3>> colors;      ///< red green blue a vertex, or empty
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertices of each
 
   void clear() { *this = TriangleMesh(); }
