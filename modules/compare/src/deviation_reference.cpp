@@ -186,7 +186,7 @@ std::size_t DeviationReference::memoryBytes() const {
 struct DeviationReference::Run {
   const Data& data;
   const DeviationPlaces& places;
-  const Visitor& visitor;
+  const FootVisitor& visitor;
   const AlignedVector<std::uint32_t>& order;
   bool sided;           ///< sides of places count
   double max_distance;  ///< may be infinite
@@ -234,7 +234,7 @@ void DeviationReference::Run::onSurface(std::size_t begin, std::size_t end,
 }
 
 Error DeviationReference::visit(const DeviationPlaces& places, const FootParams& params,
-                                const Visitor& visitor, Progress* progress) const {
+                                const FootVisitor& visitor, Progress* progress) const {
   if (Error error = params.validate()) return error;
   const int threads = resolveThreads(params.threads);
   std::size_t finite = 0;

@@ -58,6 +58,17 @@ struct PCL_SLIM_EXPORT FootParams {
   Error validate() const;
 };
 
+namespace detail {
+
+/** \brief What is done with feet, without its type. */
+struct FootVisitor {
+  const void* body;
+  void (*prepare)(const void* body);
+  void (*take)(const void* body, std::size_t i, const ReferenceFoot& foot);
+};
+
+}  // namespace detail
+
 /** \brief What places are compared with: a SLIM surface or a triangle mesh, arranged so that nearest
  * places are found fast, however far away they are.
  *
@@ -118,26 +129,21 @@ class PCL_SLIM_EXPORT DeviationReference {
       const Prepare& prepare;
       const Take& take;
     } body{prepare, take};
-    const Visitor visitor = {&body,
-                             [](const void* own) { static_cast<const Body*>(own)->prepare(); },
-                             [](const void* own, std::size_t i, const ReferenceFoot& foot) {
-                               static_cast<const Body*>(own)->take(i, foot);
-                             }};
+    const detail::FootVisitor visitor = {
+        &body, [](const void* own) { static_cast<const Body*>(own)->prepare(); },
+        [](const void* own, std::size_t i, const ReferenceFoot& foot) {
+          static_cast<const Body*>(own)->take(i, foot);
+        }};
     return visit(places, params, visitor, progress);
   }
 
  private:
   struct Data;
   struct Run;
-  struct Visitor {
-    const void* body;
-    void (*prepare)(const void* body);
-    void (*take)(const void* body, std::size_t i, const ReferenceFoot& foot);
-  };
 
   explicit DeviationReference(std::unique_ptr<Data> data);
-  Error visit(const DeviationPlaces& places, const FootParams& params, const Visitor& visitor,
-              Progress* progress) const;
+  Error visit(const DeviationPlaces& places, const FootParams& params,
+              const detail::FootVisitor& visitor, Progress* progress) const;
 
   std::unique_ptr<Data> data_;
 };
