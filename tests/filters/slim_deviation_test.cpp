@@ -20,7 +20,7 @@ using Plain = pcl::PointXYZ;
 using Cloud = pcl::PointCloud<Plain>;
 using Output = pcl::PointCloud<PointDeviation>;
 
-constexpr double kNoise = 0.002;
+constexpr double kSheetNoise = 0.002;
 
 /** The surface of another scan of the suite's sphere. */
 std::shared_ptr<const SLIMSurface> otherSphere() {
@@ -63,7 +63,7 @@ Cloud::Ptr sheet(std::size_t count, unsigned seed, const Lift& lift, double size
   auto cloud = std::make_shared<Cloud>();
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-size, size);
-  std::normal_distribution<double> noise(0.0, kNoise);
+  std::normal_distribution<double> noise(0.0, kSheetNoise);
   for (std::size_t i = 0; i < count; ++i) {
     const double x = place(random), y = place(random);
     const double z = 0.1 * std::sin(3 * x) * std::cos(2 * y) + lift(x, y) + noise(random);
@@ -97,7 +97,7 @@ TEST(SLIMDeviation, IsTheDistanceToTheTrianglesOfAMesh) {
   auto cloud = std::make_shared<Cloud>();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1.3, 1.3);
-  std::normal_distribution<double> noise(0.0, kNoise);
+  std::normal_distribution<double> noise(0.0, kSheetNoise);
   for (int i = 0; i < 5000; ++i) {
     cloud->push_back({static_cast<float>(place(random)), static_cast<float>(place(random)),
                       static_cast<float>(0.3 + noise(random))});
@@ -116,10 +116,10 @@ TEST(SLIMDeviation, IsTheDistanceToTheTrianglesOfAMesh) {
     const bool over = std::abs(p.x) < 0.999 && std::abs(p.y) < 0.999;
     const bool beyond = std::abs(p.x) > 1.001 || std::abs(p.y) > 1.001;
     if (over) {
-      EXPECT_NEAR(output[i].deviation, 0.3, kNoise) << i;
+      EXPECT_NEAR(output[i].deviation, 0.3, kSheetNoise) << i;
       EXPECT_EQ(output[i].significant, 1) << i;
       EXPECT_GT(output[i].level_of_detection, 0.0f);
-      EXPECT_LT(output[i].level_of_detection, 2 * kNoise);
+      EXPECT_LT(output[i].level_of_detection, 2 * kSheetNoise);
     }
     if (beyond) {
       ++outside;
@@ -178,7 +178,7 @@ TEST(SLIMDeviation, FindsAShallowDentAndItsVolume) {
   EXPECT_GT(static_cast<double>(found), 0.99 * static_cast<double>(deep));
   // 5 % of what is unchanged, of some 60 leaves whose points share an error: +- 2.8 %.
   EXPECT_LT(static_cast<double>(wrong), (0.05 + 2 * 0.028) * static_cast<double>(far));
-  EXPECT_LT(worst, 3 * kNoise);
+  EXPECT_LT(worst, 3 * kSheetNoise);
   // The integral of the dent: pi r^2 depth / 3; the rim is not significant.
   const double volume = std::acos(-1.0) * kRadius * kRadius * kDepth / 3;
   EXPECT_NEAR(deviation.getSummary().total.significant_volume_down, volume, 0.1 * volume);
@@ -239,11 +239,12 @@ TEST(SLIMDeviation, MeasuredPlacesKeepTheirNoise) {
   Output output;
   deviation.setPlaces(ScanPlaces::kMeasured);
   ASSERT_TRUE(deviation.compute(output)) << deviation.getError().message;
-  EXPECT_NEAR(deviation.getSummary().total.rms, kNoise, 0.15 * kNoise);
-  for (const PointDeviation& p : output) EXPECT_NEAR(p.sigma_position, kNoise, 0.1 * kNoise);
+  EXPECT_NEAR(deviation.getSummary().total.rms, kSheetNoise, 0.15 * kSheetNoise);
+  for (const PointDeviation& p : output)
+    EXPECT_NEAR(p.sigma_position, kSheetNoise, 0.1 * kSheetNoise);
   deviation.setPlaces(ScanPlaces::kMoved);
   ASSERT_TRUE(deviation.compute(output)) << deviation.getError().message;
-  EXPECT_LT(deviation.getSummary().total.rms, 0.5 * kNoise);
+  EXPECT_LT(deviation.getSummary().total.rms, 0.5 * kSheetNoise);
 }
 
 TEST(SLIMDeviation, ToleranceGivesAVerdict) {
