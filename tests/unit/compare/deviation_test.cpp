@@ -347,7 +347,7 @@ TEST(Deviation, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Deviation, SurvivesLeavesThatDoNotAgree) {
-  // Polynomials at random: there is no smooth surface, but each foot is what it says.
+  // Random polynomials: the surface is not smooth, and each foot is at the distance that it states.
   const SLIMSurface surface = sphereSurface(4, 300);
   const DeviationReference reference = referenceTo(surface);
   Places places;

@@ -42,7 +42,7 @@ struct FeetRequest {
 /** \brief A surface whose feet are searched: patches to find the nearest one, and leaves to blend. */
 struct FootIndex {
   FootIndex(const SLIMSurface& surface, int threads)
-      : patches(surface, threads), probe(surface, ProbeUse::kExtraction, true) {}
+      : patches(surface, threads), probe(surface, ProbeUse::kExtraction, true, threads) {}
 
   PatchIndex patches;
   ProbeIndex probe;
@@ -51,8 +51,9 @@ struct FootIndex {
 /** \brief Finds feet; one object a thread. The nearest patch gives the start; the foot on the blended
  * surface is where what remains to the place is along the normal: Newton steps in the tangent plane,
  * with the curvature of the surface, shortened where the distance would grow. A
- * foot that no leaf covers, as where a polynomial leaves its points beside a sharp edge, or that faces
- * away from the side after all does not count: the search goes on without the patch that led there. */
+ * foot does not count where no leaf covers it, as where a polynomial leaves its points beside a sharp
+ * edge, nor where it faces away from the side: the search is repeated without the patch that led to
+ * it. */
 class FootFinder {
  public:
   explicit FootFinder(const FootIndex& index) : index_(index), probe_(index.probe) {}

@@ -33,9 +33,9 @@ enum class ProbeUse : std::uint8_t {
 class PCL_SLIM_EXPORT ProbeIndex {
  public:
   /** \brief The surface must outlive this object. \param[in] errors whether requests for standard
-   * errors are possible */
+   * errors are possible \param[in] threads that prepare them; never changes the result */
   explicit ProbeIndex(const SLIMSurface& surface, ProbeUse use = ProbeUse::kSamples,
-                      bool errors = false);
+                      bool errors = false, int threads = 1);
   ~ProbeIndex();
   ProbeIndex(const ProbeIndex&) = delete;
   ProbeIndex& operator=(const ProbeIndex&) = delete;
