@@ -12,13 +12,12 @@
 #include "common/programs.h"
 #include "common/standard_output.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/frame_blocks.h"
 #include "pcl_slim/render/shading.h"
-#include "pcl_slim/scan/uncertainty.h"
 #include "render/camera_file.h"
 #include "render/model.h"
 #include "render/output_request.h"
+#include "render/painted_errors.h"
 #include "render/picture_request.h"
 #include "render/view_request.h"
 #include "scan/small_components.h"
@@ -228,11 +227,6 @@ Result<std::uint64_t> renderTracedModel(const Settings& s, const Model& model,
   return total.covered_pixels;
 }
 
-std::string errorRange(const std::array<double, 2>& range) {
-  return "standard error " + numberText(range[0], 3) + " to " + numberText(range[1], 3) +
-         ", dark to light";
-}
-
 /** Writes a page in place of a picture. */
 Error writePage(const Settings& s, const Model& model, const ChosenView& view, Console& console,
                 Report& report) {
@@ -247,7 +241,7 @@ Error writePage(const Settings& s, const Model& model, const ChosenView& view, C
   ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   if (s.picture.isUncertainty()) {
     shading.mode = ShadingMode::kColor;  // of which a page has no bar
-    params.title += ": " + errorRange(shading.range);
+    params.title += ": " + errorRangeText(shading.range);
     shading.range = {};
   }
   const auto page = model.is_splats
@@ -373,22 +367,18 @@ Result<Model> loadDrawn(Settings& s, std::optional<ChosenView>& chosen, Console&
   return model;
 }
 
-/** Paints a surface with its standard error for the mode that shows it, and says its range. */
-Error paintErrors(Settings& s, Model& model, Console& console, Report& report) {
+/** Paints a surface for the mode that shows its standard error. */
+Error paintForMode(Settings& s, Model& model, Console& console, Report& report) {
   if (!s.picture.isUncertainty()) return {};
   if (model.is_splats || model.is_mesh) {
     return {ErrorCode::kBadArgument,
             "splats and meshes have no standard error: give a surface of pcl_slim_fit"};
   }
-  const bool diverging = s.picture.map == "diverging";
-  const auto shown = paintUncertainty(
-      model.surface, s.picture.range,
-      [diverging](double x) { return diverging ? divergingColor(2 * x - 1) : perceptualColor(x); },
-      s.threads);
+  const auto shown =
+      paintErrors(s.picture.range, s.picture.map == "diverging", s.threads, console, model.surface);
   if (!shown) return shown.error();
   s.picture.range = *shown;
   report.set("standard_error", {{"low", (*shown)[0]}, {"high", (*shown)[1]}});
-  console.note("  " + errorRange(*shown));
   return {};
 }
 
@@ -473,7 +463,7 @@ Exit run(const OptionTable& options, Settings& s) {
         {ErrorCode::kBadArgument,
          "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"}));
   }
-  if (Error error = paintErrors(s, *model, console, report))
+  if (Error error = paintForMode(s, *model, console, report))
     return Exit::usage(console.failed(error));
   if (Error error = checkMemory(kBytesOfPixel * s.view.size.width * s.view.size.height,
                                 "a picture of " + s.view.size_text, "ask for a smaller picture"))

@@ -7,11 +7,10 @@
 #include "common/program.h"
 #include "common/programs.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/shading.h"
-#include "pcl_slim/scan/uncertainty.h"
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
+#include "render/painted_errors.h"
 #include "scan/fit_job.h"
 #include "scan/small_components.h"
 #include "view/viewer.h"
@@ -97,15 +96,11 @@ void noteView(const Settings& s, const BoundingSpheres& object, Console& console
   if (!view.words.empty()) console.note("  " + view.words);
 }
 
-/** \brief Paints a surface with its standard error for the mode that shows it, and says its range.
- */
-Error paintErrors(const Settings& s, SLIMSurface& surface, Console& console) {
+/** \brief Paints a surface for the mode that shows its standard error. */
+Error paintForMode(const Settings& s, SLIMSurface& surface, Console& console) {
   if (!s.viewer.isUncertainty()) return {};
-  const auto shown =
-      paintUncertainty(surface, {0.0, s.viewer.range}, perceptualColor, s.viewer.threads);
-  if (!shown) return shown.error();
-  console.note("  standard error 0 to " + numberText((*shown)[1], 3) + ", dark to light");
-  return {};
+  const auto shown = paintErrors({0.0, s.viewer.range}, false, s.viewer.threads, console, surface);
+  return shown ? Error() : shown.error();
 }
 
 /** \brief A window for a scan, whose surface comes while the points are shown. */
@@ -122,7 +117,7 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Repo
   if (Error error = fitScan(s.fit, cloud, console, report, *surface)) return error;
   leaveOutComponents(s.min_component, s.viewer.threads, {}, console, nullptr, *surface);
   noteView(s, spheresOf(*surface), console);
-  if (Error error = paintErrors(s, *surface, console)) return error;
+  if (Error error = paintForMode(s, *surface, console)) return error;
   viewer.scene().setSurface(surface);
   viewer.begin();
   return viewer.saveScreenshot(s.screenshot);
@@ -138,7 +133,7 @@ Error showModel(const Settings& s, Console& console, Model& model) {
     if (!s.fit.params.trim) surface->dropTrimMaps();
     if (s.fit.params.hole_size != FitParams().hole_size)
       surface->closeHoles(s.fit.params.hole_size, s.fit.params.threads);
-    if (Error error = paintErrors(s, *surface, console)) return error;
+    if (Error error = paintForMode(s, *surface, console)) return error;
     viewer.scene().setSurface(surface);
   }
   viewer.begin();
