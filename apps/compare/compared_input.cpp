@@ -13,9 +13,8 @@ std::string ComparedInput::name() const {
   return folder == std::string::npos ? path : path.substr(folder + 1);
 }
 
-double ComparedInput::independentPlaces() const {
-  // The points of a leaf share its error.
-  return isMesh() ? 0.0 : static_cast<double>(surface.numLeaves());
+double ComparedInput::independent(ScanPlaces which) const {
+  return isMesh() ? 0.0 : independentPlaces(surface, which);
 }
 
 Result<DeviationReference> ComparedInput::reference(int threads) const {

@@ -36,7 +36,7 @@ struct ComparedInput {
   /** \brief The file's points; there must be one. */
   CloudView view() const { return file->view(use_normals); }
   /** \brief Number of places with independent errors; 0: it has none. */
-  double independentPlaces() const;
+  double independent(ScanPlaces which) const;
   /** \brief What others are compared with; this object must outlive it. */
   Result<DeviationReference> reference(int threads) const;
   /** \brief Places all over it. */

@@ -132,11 +132,10 @@ Error Comparison::align(Console& console, Report& report) {
   AlignmentParams params;
   params.apply = job_.align;
   params.registration.feet = job_.deviation.feet;
-  // Points as measured have errors of their own.
   const bool measured = a_.kind == ComparedInput::Kind::kCloud &&
                         job_.points == ScanPlaces::kMeasured && job_.at == MeasuredAt::kPoints;
-  const double a = measured ? 0.0 : a_.independentPlaces();
-  const double b = measured ? 0.0 : b_.independentPlaces();
+  const double a = a_.independent(measured ? ScanPlaces::kMeasured : ScanPlaces::kMoved);
+  const double b = measured ? 0.0 : b_.independent(ScanPlaces::kMoved);
   params.registration.effective_count = a > 0.0 && b > 0.0 ? std::min(a, b) : std::max(a, b);
   const PlaceColumns& of_a = job_.at == MeasuredAt::kReference ? point_places_ : places_;
   Result<Alignment> alignment = alignmentOf(*to_b_, of_a, params, &console.progress());

@@ -122,16 +122,6 @@ Error SLIMDeviationBase::sumUp(const Settings& settings, const SLIMSurface& surf
   return {};
 }
 
-namespace {
-
-/** Places with independent errors: those of a leaf share its error. */
-double independentPlaces(const SLIMSurface& surface, const SLIMSurface* reference) {
-  const std::size_t own = surface.numLeaves();
-  return static_cast<double>(reference ? std::min(own, reference->numLeaves()) : own);
-}
-
-}  // namespace
-
 Error SLIMDeviationBase::run(const Settings& settings, const CloudView& points,
                              const CloudView* reference, PlaceColumns& places,
                              Deviations& deviations) {
@@ -153,8 +143,10 @@ Error SLIMDeviationBase::run(const Settings& settings, const CloudView& points,
   AlignmentParams aligning;
   aligning.apply = settings.align;
   aligning.registration.feet = measuring.feet;
-  if (settings.places == ScanPlaces::kMoved)  // points as measured have errors of their own
-    aligning.registration.effective_count = independentPlaces(*surface, owner.get());
+  double& independent = aligning.registration.effective_count;
+  independent = independentPlaces(*surface, settings.places);
+  if (settings.places == ScanPlaces::kMoved && owner)
+    independent = std::min(independent, independentPlaces(*owner, ScanPlaces::kMoved));
   const Result<Alignment> alignment = alignmentOf(*to, own, aligning, &control_.progress);
   if (!alignment) return alignment.error();
   registration_ = alignment->registration;

@@ -50,6 +50,12 @@ double noiseOf(const SLIMSurface& surface) {
   return std::sqrt(surface.info.lambda) * surface.info.diagonal * surface.info.scale;
 }
 
+double independentPlaces(const SLIMSurface& surface, ScanPlaces which) {
+  const SurfaceInfo& info = surface.info;
+  return which == ScanPlaces::kMoved ? static_cast<double>(surface.numLeaves())
+                                     : static_cast<double>(info.num_points) / info.correlation;
+}
+
 PlaceColumns placesOf(const CloudView& cloud, const CloudProjection& projection,
                       const SLIMSurface& surface, ScanPlaces which, int threads) {
   PlaceColumns places;

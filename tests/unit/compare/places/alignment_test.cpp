@@ -113,6 +113,17 @@ TEST(Alignment, TurnsPlacesThatFaceTheOtherWay) {
   EXPECT_FALSE(alignmentOf(*reference, places, {})->turned);
 }
 
+TEST(Alignment, PointsThatShareErrorsCountAsFew) {
+  SLIMSurface surface;
+  surface.resize(4);
+  for (std::size_t i = 0; i < 3; ++i) surface.flags[i] = kSurfelLeaf;
+  surface.info.num_points = 900;
+  EXPECT_EQ(independentPlaces(surface, ScanPlaces::kMoved), 3.0);
+  EXPECT_EQ(independentPlaces(surface, ScanPlaces::kMeasured), 900.0);
+  surface.info.correlation = 9;
+  EXPECT_EQ(independentPlaces(surface, ScanPlaces::kMeasured), 100.0);
+}
+
 TEST(Alignment, AnUnknownMotionIsAnErrorWhereItIsToBeApplied) {
   const auto reference = DeviationReference::make(sheet(10));
   ASSERT_TRUE(reference);

@@ -52,6 +52,10 @@ PCL_SLIM_EXPORT PlaceColumns placesOf(const CloudView& cloud, const CloudProject
 /** \brief Standard deviation of the noise that a surface was fitted to [world units]. */
 PCL_SLIM_EXPORT double noiseOf(const SLIMSurface& surface);
 
+/** \brief Number of a scan's places whose errors are independent: those of a leaf share its error,
+ * and measured points as many as SurfaceInfo::correlation says. O(surfels). */
+PCL_SLIM_EXPORT double independentPlaces(const SLIMSurface& surface, ScanPlaces which);
+
 /** \brief Whether most places face away from the reference at their nearest place: the sides of one
  * of the two are then the other's turned round, as those of open scans may be. False where either
  * is not oriented, or nothing is near.
