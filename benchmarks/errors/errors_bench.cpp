@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
 #include "support/lab/bench.h"
+#include "support/lab/line_truth.h"
 #include "support/lab/scenes.h"
 #include "support/lab/sensor.h"
 
@@ -26,7 +28,7 @@ struct Settings {
   std::string shape = "sphere,torus,bumpy,relief", noise = "0.0003,0.001,0.003,0.01";
   std::string points = "5000,20000,80000";
   int seeds = 2, threads = 0;
-  bool cameras = true, cost = false;
+  bool flat = true, cameras = true, cost = false;
 
   std::vector<std::string> shapes;
   std::vector<double> noises, counts;
@@ -38,6 +40,7 @@ OptionTable declareOptions(Settings& s) {
   options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
   options.text("points", &s.points, "N,...", "sizes of the cloud");
   options.integer("seeds", &s.seeds, 1, 100, "scans of each row");
+  options.toggle("flat", &s.flat, "rows of a cube, away from its edges, and of plates, too");
   options.toggle("cameras", &s.cameras, "rows of depth cameras, too");
   options.toggle("cost", &s.cost, "time of a projection with and without errors");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
@@ -115,24 +118,97 @@ Error fit(const CloudView& view, const FitParams& params, Scan& scan) {
   return fitSurface(scan.store, params, scan.surface);
 }
 
-Error addScene(const Settings& s, measure::Shape shape, std::size_t count, double noise,
-               std::uint64_t seed, Row& row) {
-  const measure::Scene scene = measure::makeScene(shape, count, noise, 0, seed);
+/** Fits a cloud of doubles without normals and adds its points. */
+template <typename Truth>
+Error addCloud(const Settings& s, const std::vector<double>& points, const Truth& truth, Row& row) {
+  CloudView view;
+  view.xyz = points.data();
+  view.xyz_stride = 3 * sizeof(double);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.size = points.size() / 3;
   FitParams params;
   params.threads = s.threads;
   Scan scan;
-  if (Error error = fit(measure::viewOf(scene, nullptr, false), params, scan)) return error;
+  if (Error error = fit(view, params, scan)) return error;
   ProjectionParams wanted;
   wanted.curvature = wanted.errors = true;
   wanted.threads = s.threads;
   Projection projection;
   if (Error error = projectPoints(scan.store, scan.surface, wanted, projection)) return error;
+  addPoints(scan.store, projection, truth, row);
+  return {};
+}
+
+constexpr double kAwayFromEdges = 0.8;  ///< of half an edge: places within are usable
+
+/** A cube with edges of 2, noise as a share of its diagonal. */
+Error addCube(const Settings& s, double noise, std::uint64_t seed, Row& row) {
+  const measure::Scene scene = measure::sampleCube(1, 20000, noise, seed);
+  const auto truth = [](std::size_t, const Vector3& place) {
+    std::size_t face = 0, inner = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (std::abs(place[a]) > std::abs(place[face])) face = a;
+    }
+    for (std::size_t a = 0; a < 3; ++a) inner += std::abs(place[a]) < kAwayFromEdges ? 1 : 0;
+    TruePlace t;
+    t.distance = std::abs(place[face]) - 1;
+    t.normal[face] = place[face] < 0 ? -1 : 1;
+    t.usable = inner == 2;
+    return t;
+  };
+  return addCloud(s, scene.points, truth, row);
+}
+
+/** Two square sheets of 2 some spacings apart; noise in spacings. */
+Error addPlate(const Settings& s, double apart, double noise, std::uint64_t seed, Row& row) {
+  constexpr int kPoints = 10000;  // of a sheet
+  const double spacing = 2.0 / std::sqrt(double{kPoints}), half = 0.5 * apart * spacing;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> side(-1, 1);
+  std::normal_distribution<double> error(0, noise * spacing);
+  std::vector<double> points;
+  for (int i = 0; i < 2 * kPoints; ++i) {
+    const double x = side(random), y = side(random);
+    const double z = (i < kPoints ? half : -half) + error(random);
+    points.insert(points.end(), {x, y, z});
+  }
+  const auto truth = [half](std::size_t, const Vector3& place) {
+    TruePlace t;
+    t.distance = std::abs(place[2]) - half;
+    t.normal[2] = place[2] < 0 ? -1 : 1;
+    t.usable = std::max(std::abs(place[0]), std::abs(place[1])) < kAwayFromEdges;
+    return t;
+  };
+  return addCloud(s, points, truth, row);
+}
+
+Error printFlat(const Settings& s) {
+  for (const double noise : {0.001, 0.003}) {
+    Row row;
+    for (int seed = 1; seed <= s.seeds; ++seed) {
+      if (Error error = addCube(s, noise, static_cast<std::uint64_t>(seed), row)) return error;
+    }
+    row.print("cube " + numberText(noise, 3), true);
+  }
+  for (const double apart : {8.0, 4.0}) {
+    Row row;
+    for (int seed = 1; seed <= s.seeds; ++seed) {
+      if (Error error = addPlate(s, apart, 0.3, static_cast<std::uint64_t>(seed), row))
+        return error;
+    }
+    row.print("plate " + numberText(apart, 3) + " spacings thick", true);
+  }
+  return {};
+}
+
+Error addScene(const Settings& s, measure::Shape shape, std::size_t count, double noise,
+               std::uint64_t seed, Row& row) {
+  const measure::Scene scene = measure::makeScene(shape, count, noise, 0, seed);
   const auto truth = [shape](std::size_t, const Vector3& place) {
     const measure::Truth t = measure::truthAt(shape, place);
     return TruePlace{t.distance, t.mean_curvature, t.normal, !t.rim};
   };
-  addPoints(scan.store, projection, truth, row);
-  return {};
+  return addCloud(s, scene.points, truth, row);
 }
 
 /** The nearest surface of a scan's scene; an edge has two near ones. */
@@ -228,6 +304,9 @@ Error run(const Settings& s) {
         row.print(name + " " + numberText(noise, 3) + " " + numberText(count, 7), true);
       }
     }
+  }
+  if (s.flat) {
+    if (Error error = printFlat(s)) return error;
   }
   if (!s.cameras) return {};
   constexpr CameraRow kCameras[] = {{"white", "balls", 1, 0.06, 0},

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The pictures of docs/slim_deviation.md: compare_pictures.sh BIN DATA OUT, folders of the built programs, of real scans and for
+# The pictures of docs/slim_deviation.md, and of standard errors: compare_pictures.sh BIN DATA OUT, folders of the built programs, of real scans and for
 # the pictures. Needs ImageMagick and fontconfig.
 set -euo pipefail
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -30,3 +30,10 @@ compare "$data/fandisk_03_original.ply" "$data/fandisk_03_noisy.ply" -faces a -p
 montage -font "$font" -pointsize 15 -label 'a dent of 1.5 mm' dent.png -label 'raw scans from their mesh' bunny.png \
   -label 'half of a scan from the other' halves.png -label 'a drawing from a noisy scan' part.png -tile 2x -geometry +2+2 \
   "${png[@]}" "$out/deviations.png"
+
+# Standard errors of a laser scan's statue and a depth camera's table.
+for scan in stanford_bunny_raw_scans kinect_mosd_learn13; do
+  "$bin/pcl_slim_fit" "$data/$scan.pcd" $scan.slim -quiet
+  "$bin/pcl_slim_render" $scan.slim $scan.png -mode uncertainty -bar -unit m -size 560x420 -white 1 -quiet
+done
+convert stanford_bunny_raw_scans.png kinect_mosd_learn13.png +append "${png[@]}" "$out/uncertainty.png"
