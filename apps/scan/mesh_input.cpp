@@ -57,7 +57,7 @@ Error checkTriangles(const TriangleMesh& mesh) {
     has_area = has_area || length(cross(subtract(b, a), subtract(c, a))) > 0.0;
   }
   if (has_area) return {};
-  return {ErrorCode::kBadInput, "no face has an area; there is nothing to draw"};
+  return {ErrorCode::kBadInput, "no face has an area; name a mesh that has"};
 }
 
 }  // namespace pcl_slim
