@@ -362,7 +362,7 @@ Error readVertices(BodyReader& in, const PlyElement& element, PointTable& cloud)
   }
   cloud.resize(element.count);
   std::uint8_t* at = cloud.data.data();
-  for (std::size_t i = 0; i < element.count; ++i) {
+  for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
     for (const PlyProperty& property : element.properties) {
       if (property.list_type != 0) {
         if (!skipProperty(in, property)) return in.failure("vertex", i, element.count);

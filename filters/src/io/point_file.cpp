@@ -280,7 +280,8 @@ void makeWords(PointFile& file) {
     for (char& c : field.name) {
       if (static_cast<unsigned char>(c) <= ' ' || c == '\x7f') c = '_';
     }
-    if (field.name.empty()) field.name = "unnamed";
+    // A PCD field of the name "_" is padding, which readers drop.
+    if (field.name.empty() || field.name == "_") field.name = "unnamed";
   }
   for (std::string& comment : file.comments) {
     for (char& c : comment) {

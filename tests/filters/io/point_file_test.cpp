@@ -105,6 +105,24 @@ TEST(PointFile, PlyKeepsFacesColoursAndNormals) {
   EXPECT_EQ(cloud[0].b, 1);
 }
 
+/** A PCD field of the name "_" is padding. A property of that name keeps its values all the same. */
+TEST(PointFile, APropertyNamedAsPaddingKeepsItsValues) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"_", "\x13"}) {
+    writeText(folder / "a.ply",
+              "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+              "property float z\nproperty float " +
+                  name + "\nend_header\n1 2 3 7\n4 5 6 8\n");
+    const auto file = loadPointFile(folder / "a.ply");
+    ASSERT_TRUE(file) << file.error().message;
+    ASSERT_FALSE(savePointFile(folder / "b.pcd", *file));
+    const auto again = loadPointFile(folder / "b.pcd");
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->cloud.data, file->cloud.data);
+    EXPECT_EQ(value(*again, "unnamed", 1), 8.0f);
+  }
+}
+
 TEST(PointFile, ReadsBigEndianPly) {
   const TemporaryFolder folder;
   std::string text =
