@@ -28,10 +28,9 @@ FitConstants windowedConstants(const TraitsSample& how) {
   return constants;
 }
 
-CloudTraits::Profile profileKind(const FitParams& params, const CloudMeasures& measures) {
+CloudTraits::Profile profileKind(const CloudMeasures& measures) {
   if (measures.noise_profile.empty()) return CloudTraits::Profile::kNone;
-  const bool measured = params.local_noise == true || measures.correlation > 1;
-  return measured ? CloudTraits::Profile::kMeasured : CloudTraits::Profile::kRaised;
+  return measures.correlation > 1 ? CloudTraits::Profile::kMeasured : CloudTraits::Profile::kField;
 }
 
 /** Points of the whole cloud for a number of points of a thinned one. */
@@ -65,8 +64,8 @@ std::vector<float> profileOf(const PointStore& store, const CloudTraits& traits,
   level.neighbors = static_cast<std::size_t>(traits.noise_neighbors);
   if (traits.profile == CloudTraits::Profile::kMeasured)
     return measureNoiseProfile(store, level, constants, threads);
-  if (traits.profile == CloudTraits::Profile::kRaised)
-    return measureRaisedProfile(store, level, constants, threads);
+  if (traits.profile == CloudTraits::Profile::kField)
+    return measureNoiseField(store, level, constants, threads);
   return {};
 }
 
@@ -115,7 +114,7 @@ Result<MeasuredTraits> measureTraits(const PointStore& sample, const FitParams& 
   traits.min_dot = planFor(sample, params, constants, found).min_dot;
   traits.normal_error = found.normal_error;
   if (how.thinning == 1) traits.spacing = medianSpacing(sample);
-  traits.profile = profileKind(params, found);
+  traits.profile = profileKind(found);
   measured.noise_fills = noiseFills(sample, stats, found.lambda, constants.noise);
   if (traits.profile != CloudTraits::Profile::kNone && stats.noise.neighbors == 0)
     stats.noise.neighbors = measureNoise(sample, constants.noise, threads).neighbors;

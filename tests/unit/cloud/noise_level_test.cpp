@@ -219,28 +219,60 @@ Cloud planeWithFinePart(std::size_t coarse, std::size_t fine) {
   return cloud;
 }
 
-TEST(NoiseLevel, AFinePartOfUnevenNoiseHasItsOwn) {
-  const PointStore store = storeOf(planeWithFinePart(30000, 20000));
-  const detail::NoiseConstants constants;
-  const detail::NoiseLevel level = detail::measureNoise(store, constants, 2);
-  const std::vector<float> ratios = detail::measureRaisedProfile(store, level, constants, 2);
-  EXPECT_EQ(detail::measureRaisedProfile(store, level, constants, 1), ratios);
-  const double unit = store.scale() * store.scale() * level.variance;
-  std::size_t fine = 0, right = 0, coarse = 0, kept = 0;
-  for (std::size_t j = 0; j < ratios.size(); ++j) {
-    const std::size_t i = (2 * j + 1) * store.size() / (2 * ratios.size());
-    const bool small = store.origin()[2] + store.scale() * store.position(i)[2] > 1.5;
-    const double sigma = std::sqrt(ratios[j] * unit);
-    (small ? fine : coarse) += 1;
-    if (small) right += sigma > 0.0003 && sigma < 0.0008;
-    if (!small) kept += ratios[j] >= 1;
-  }
-  ASSERT_GT(fine, 100u);
-  EXPECT_GT(right, fine * 95 / 100);
-  EXPECT_GT(kept, coarse * 95 / 100);
+/** A plane whose noise grows from .001 to .005 from left to right. */
+Cloud planeOfGrowingNoise() {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  return pcl_slim_test::heightField(40000, 12, [&](double x, double) {
+    return 0.001 * std::pow(5, 0.5 * (x + 1)) * normal(random);
+  });
 }
 
-TEST(NoiseLevel, ACleanPartOfTheSameSpacingKeepsTheLevel) {
+detail::NoiseLevel wholeNoise(const PointStore& store) {
+  const detail::NoiseConstants constants;
+  return detail::recognizeSharedNoise(store, detail::measureNoise(store, constants, 2), constants,
+                                      2);
+}
+
+/** Share of the places of a field where sigma is right within a factor.
+ * \param[in] truth sigma at a world position; 0: not compared */
+template <typename Truth>
+double rightShare(const PointStore& store, const Truth& truth, double factor) {
+  const detail::NoiseLevel level = wholeNoise(store);
+  EXPECT_TRUE(level.varies);
+  const std::vector<float> ratios = detail::measureNoiseField(store, level, {}, 2);
+  EXPECT_EQ(detail::measureNoiseField(store, level, {}, 1), ratios);
+  double right = 0, compared = 0;
+  for (std::size_t j = 0; j < ratios.size(); ++j) {
+    const std::size_t i = (2 * j + 1) * store.size() / (2 * ratios.size());
+    Vector3 world{};
+    for (std::size_t a = 0; a < 3; ++a)
+      world[a] = store.origin()[a] + store.scale() * store.position(i)[a];
+    const double wanted = truth(world);
+    if (!(wanted > 0)) continue;
+    const double sigma = store.scale() * std::sqrt(level.variance * ratios[j]);
+    right += std::max(sigma / wanted, wanted / sigma) < factor;
+    ++compared;
+  }
+  EXPECT_GT(compared, 50);
+  return right / compared;
+}
+
+TEST(NoiseField, FollowsNoiseThatGrows) {
+  const PointStore store = storeOf(planeOfGrowingNoise());
+  const auto truth = [](const Vector3& p) { return 0.001 * std::pow(5, 0.5 * (p[0] + 1)); };
+  EXPECT_GT(rightShare(store, truth, 1.4), 0.95);
+}
+
+// Windows across the border of two parts, a few of a hundred, have the noise of either.
+
+TEST(NoiseField, AFinePartHasItsOwn) {
+  const PointStore store = storeOf(planeWithFinePart(30000, 20000));
+  const auto truth = [](const Vector3& p) { return p[2] > 1.5 ? 0.0005 : 0.02; };
+  EXPECT_GT(rightShare(store, truth, 1.4), 0.85);
+}
+
+TEST(NoiseField, ACleanPartHasItsOwn) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share;
@@ -249,11 +281,41 @@ TEST(NoiseLevel, ACleanPartOfTheSameSpacingKeepsTheLevel) {
     const double x = share(random), y = share(random);
     cloud.add(x, y, (x < 0.3 ? 0.0002 : 0.005) * normal(random));
   }
+  const auto truth = [](const Vector3& p) {
+    return std::abs(p[0] - 0.3) < 0.15 ? 0 : p[0] < 0.3 ? 0.0002 : 0.005;
+  };
+  EXPECT_GT(rightShare(storeOf(cloud), truth, 1.4), 0.85);
+}
+
+/** One level is enough for noise that is alike everywhere, on planes and on bent surfaces. */
+TEST(NoiseField, EvenNoiseHasOneLevel) {
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
+    for (const double sigma : {0.002, 0.01, 0.03}) {
+      const PointStore store = storeOf(sceneCloud(shape, 20000, sigma));
+      const detail::NoiseLevel level = wholeNoise(store);
+      for (const float ratio : detail::measureNoiseField(store, level, {}, 2))
+        ASSERT_NEAR(std::log(ratio), 0, 0.5) << sigma;
+    }
+  }
+}
+
+/** The patches of a thin pole are as wide as it is, whatever their size; that is no noise. */
+TEST(NoiseField, APoleIsNoNoise) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> share(-1, 1);
+  Cloud cloud;
+  for (std::size_t i = 0; i < 10000; ++i) cloud.add(share(random), share(random), 0);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const double angle = M_PI * share(random);
+    cloud.add(0.02 * std::cos(angle), 0.02 * std::sin(angle), 0.5 + 0.5 * share(random));
+  }
   const PointStore store = storeOf(cloud);
-  const detail::NoiseConstants constants;
-  const detail::NoiseLevel level = detail::measureNoise(store, constants, 2);
-  for (const float ratio : detail::measureRaisedProfile(store, level, constants, 2))
-    ASSERT_GE(ratio, 1.0f);
+  detail::NoiseLevel level = wholeNoise(store);
+  level.variance = std::pow(0.002 / store.scale(), 2);
+  std::size_t raised = 0;
+  const std::vector<float> ratios = detail::measureNoiseField(store, level, {}, 2);
+  for (const float ratio : ratios) raised += ratio > 2;
+  EXPECT_LT(raised, ratios.size() / 20);
 }
 
 }  // namespace

@@ -91,7 +91,6 @@ TEST(SharedNoise, IsNotWhiteNoise) {
     const PointStore store = storeOf(cloud);
     const NoiseLevel noise = recognized(store);
     EXPECT_EQ(noise.correlation, 1.0) << level;
-    EXPECT_FALSE(noise.uneven) << level;
     EXPECT_EQ(noise.line, 0u) << level;
     EXPECT_EQ(noise.variance, estimateNoise(store, NoiseEstimator::kCubicResidual, 1)) << level;
   };

@@ -81,12 +81,26 @@ TEST(SensorNoise, StepsThatDitherCostNothing) {
   EXPECT_LT(on.normal, off.normal);
 }
 
-TEST(SensorNoise, WhiteNoiseIsFittedAsBefore) {
+TEST(SensorNoise, WhiteNoiseIsRecognized) {
   const SensorScan scan = scanByCamera(measure::namedSolids("wave15"), camera(1, 0), 3);
-  const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+  FitParams params;
+  params.local_noise = false;
+  const Errors on = errorsOf(scan, params), off = errorsOf(scan, withoutRecognition());
   EXPECT_EQ(on.position, off.position);
   EXPECT_EQ(on.fit.lambda, off.fit.lambda);
   EXPECT_EQ(on.fit.leaves, off.fit.leaves);
+}
+
+/** A depth camera's noise grows with the square of the range. */
+TEST(SensorNoise, OfWhiteCamerasIsTakenByRange) {
+  for (const char* solids : {"room", "hall"}) {
+    const SensorScan scan = scanByCamera(measure::namedSolids(solids), camera(1, 0), 3);
+    FitParams once;
+    once.local_noise = false;
+    const Errors local = errorsOf(scan), global = errorsOf(scan, once);
+    EXPECT_LT(local.position, 0.97 * global.position) << solids;
+    EXPECT_LT(local.normal, 1.03 * global.normal) << solids;
+  }
 }
 
 TEST(SensorNoise, CorrelationCanBeGiven) {

@@ -449,41 +449,6 @@ CurveNoise measureRounding(const PointStore& store, std::size_t k, const NoiseCo
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }
 
-/// Ratio of a place's variance to the cloud's from which a fit takes the noise for detail.
-constexpr double kUnevenRatio = 2;
-/// Share of such places from which the noise is uneven.
-constexpr double kUnevenShare = 0.1;
-
-/** Whether more than kUnevenShare of the places have so much more noise than the cloud that a fit
- * takes it for detail. */
-bool isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
-              const NoiseConstants& constants, int threads) {
-  const auto narrow = windowedMeans(scale.variances, constants, threads);
-  const auto wide = windowedMeans(wider.variances, constants, threads);
-  std::size_t noisy = 0;
-  for (std::size_t s = 0; s < wide.size(); ++s)
-    noisy += wide[s] > kUnevenRatio * variance && isFlat(narrow[s], wide[s], constants);
-  return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(wide.size());
-}
-
-/** Whether the noise is uneven on two pairs of scales: k and 2 k, 2 k and 4 k points. At an edge of
- * the surface at most one pair shows the constant variance of noise.
- * \param[in] scales the curve's, measured at the same places; reused if they begin with k points */
-bool staysUneven(const PointStore& store, const NoiseLevel& noise,
-                 const std::vector<PatchScale>& scales, const NoiseConstants& constants,
-                 int threads) {
-  const std::size_t k = noise.neighbors;
-  if (8 * k * constants.most_part > store.size()) return false;
-  ThinnedPlaces points(store, scales.front().variances.size());
-  const auto scale = [&](std::size_t factor) {
-    return measureScale(points, factor * k, constants, threads);
-  };
-  const bool known = scales.front().k == k;
-  const PatchScale narrow = known ? scales[0] : scale(1), wider = known ? scales[1] : scale(2);
-  return isUneven(narrow, wider, noise.variance, constants, threads) &&
-         isUneven(wider, scale(4), noise.variance, constants, threads);
-}
-
 /// Largest correlation that a fit counts in full [points]. Of a larger one the geometric mean with
 /// this counts: a large tau rounds edges, and the reduction costs smooth parts little.
 constexpr double kFullDependence = 12;
@@ -569,8 +534,10 @@ NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
   }
+  // The curve's first two scales have white noise's size and twice as many points.
   if (!(noise.correlation > 1))
-    noise.uneven = staysUneven(store, noise, scales, constants, threads);
+    noise.varies =
+        noiseVaries(scales[0], scales[1], store.size(), noise.variance, constants, threads);
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;
 }

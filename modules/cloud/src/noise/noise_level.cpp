@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The noise of a cloud by its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"),
-// of merged frames, along the Morton curve, and of its normals.
+// of merged frames, and of its normals.
 #include "pcl_slim/cloud/noise_level.h"
 
 #include <algorithm>
@@ -275,131 +275,6 @@ NoiseLevel recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
   return noise;
 }
 
-// How noise varies along the Morton curve (docs/theory.md, "Noise").
-
-namespace {
-
-constexpr std::size_t kPointsPerRun = 128;  ///< number of points of one entry of a noise profile
-constexpr std::size_t kMostRuns = 8192;     ///< largest number of entries of a profile
-
-/** The number of entries of a profile, one for each run of points along the Morton curve. */
-std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
-  return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
-                    kMostRuns);
-}
-
-/** The mean variance of patches of k points around every run.
- * \param[out] whole trimmed mean of all patches */
-std::vector<float> runVariances(const PointStore& store, std::size_t k, std::size_t runs,
-                                const NoiseConstants& constants, int threads,
-                                double* whole = nullptr) {
-  ThinnedPlaces places(store, runs);
-  std::vector<double> variances =
-      measureScale(places, k, constants, resolveThreads(threads)).variances;
-  std::vector<float> means = windowedMeans(variances, constants, threads);
-  if (whole != nullptr) *whole = trimmedMean(variances, constants.trim);
-  return means;
-}
-
-}  // namespace
-
-std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
-                                       const NoiseConstants& constants, int threads) {
-  if (level.neighbors == 0) return {};
-  const std::size_t runs = runsOf(store, constants);
-  double whole;
-  std::vector<float> profile =
-      runVariances(store, level.neighbors, runs, constants, threads, &whole);
-  const float least = constants.least_ratio;
-  for (float& ratio : profile) {
-    ratio = whole > 0 ? std::clamp(static_cast<float>(ratio / whole), least, 1 / least) : 1.0f;
-  }
-  return profile;
-}
-
-namespace {
-
-// An object of another scale in a scan: its points are far denser, and its noise is far lower. The scan's
-// level would smooth the object away, so that it gets its own.
-constexpr double kFinerRadius = 0.125;      ///< largest ratio of its patches' radius to the others'
-constexpr double kFinerVariance = 0.0625;   ///< largest ratio of its variance to the level
-constexpr double kLeastFiner = 1e-6;        ///< least such ratio
-constexpr std::ptrdiff_t kFinerWindow = 8;  ///< number of runs to either side in a mean
-
-/** Radius of the patches whose noise makes up the level. */
-double radiusOfLevel(const NoiseLevel& level, const PatchScale& scale) {
-  double sum = 0, weights = 0;
-  for (std::size_t j = 0; j < scale.radii.size(); ++j) {
-    const double weight = std::max(scale.variances[j], 0.0);
-    sum += weight * scale.radii[j];
-    weights += weight;
-  }
-  return std::max(level.patch_radius, weights > 0 ? sum / weights : 0.0);
-}
-
-/** Lowers the ratios of runs on objects of a finer scale. A mean is of runs of that scale alone. */
-void lowerFinerParts(const NoiseLevel& level, const PatchScale& scale,
-                     const NoiseConstants& constants, std::vector<float>& profile) {
-  const double finer = kFinerRadius * radiusOfLevel(level, scale);
-  const auto isFiner = [&](std::size_t j) {
-    return scale.variances[j] >= 0 && scale.radii[j] < finer;
-  };
-  const auto runs = static_cast<std::ptrdiff_t>(profile.size());
-  std::vector<double> window;
-  for (std::ptrdiff_t j = 0; j < runs; ++j) {
-    if (!isFiner(static_cast<std::size_t>(j))) continue;
-    window.clear();
-    const std::ptrdiff_t end = std::min(runs, j + kFinerWindow + 1);
-    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, j - kFinerWindow); i < end; ++i) {
-      const auto near = static_cast<std::size_t>(i);
-      if (isFiner(near)) window.push_back(scale.variances[near]);
-    }
-    const double ratio = trimmedMean(window, constants.trim) / level.variance;
-    if (ratio < kFinerVariance)
-      profile[static_cast<std::size_t>(j)] = static_cast<float>(std::max(ratio, kLeastFiner));
-  }
-}
-
-}  // namespace
-
-std::vector<float> measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
-                                        const NoiseConstants& constants, int threads) {
-  if (level.neighbors == 0 || !(level.variance > 0)) return {};
-  const std::size_t k = level.neighbors;
-  const std::size_t runs = runsOf(store, constants);
-  threads = resolveThreads(threads);
-  ThinnedPlaces places(store, runs);
-  const PatchScale scale = measureScale(places, k, constants, threads);
-  std::vector<float> profile = windowedMeans(scale.variances, constants, threads);
-  const std::vector<float> wider = runVariances(store, 2 * k, runs, constants, threads);
-  for (std::size_t j = 0; j < profile.size(); ++j) {
-    const bool noise = isFlat(profile[j], wider[j], constants);
-    const auto ratio = static_cast<float>(wider[j] / level.variance);
-    profile[j] = noise ? std::clamp(ratio, 1.0f, 1 / constants.least_ratio) : 1.0f;
-  }
-  lowerFinerParts(level, scale, constants, profile);
-  return profile;
-}
-
-std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
-                                 const NoiseConstants& constants, int threads) {
-  threads = resolveThreads(threads);
-  const std::size_t k = smallestPatch(store, constants, threads);
-  const std::size_t stride = patchStride(k, constants);
-  const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    thread_local Patch patch;
-    patchAbout(store, search, sample, k / stride, patch);
-    const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
-    const Vector3 ray = subtract(store.position(sample), sensor);
-    const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
-    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
-    const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
-    return sigma * sigma * along * along;
-  };
-  const std::size_t runs = runsOf(store, constants);
-  return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
-}
-
 namespace {
 
 /// Exact normals of one sheet differ by at most 90 degrees and the angle of this sine.
@@ -451,12 +326,6 @@ double estimateNoise(const PointStore& store, NoiseEstimator estimator, int thre
   return (paper ? detail::measurePaperNoise(store, threads)
                 : detail::measureNoise(store, {}, threads))
       .variance;
-}
-
-std::vector<float> noiseProfile(const PointStore& store, int threads) {
-  const detail::NoiseConstants constants;
-  return detail::measureNoiseProfile(store, detail::measureNoise(store, constants, threads),
-                                     constants, threads);
 }
 
 }  // namespace pcl_slim

@@ -253,15 +253,18 @@ double trimmedMeanError(std::vector<double> values, double trim) {
   return std::sqrt(variance / n) / ((1 - 2 * trim) * mean);
 }
 
+std::pair<std::size_t, std::size_t> windowAround(std::size_t place, std::size_t places) {
+  return {place - std::min(place, kWindow), std::min(places, place + kWindow + 1)};
+}
+
 std::vector<float> windowedMeans(const std::vector<double>& values, const NoiseConstants& constants,
                                  int threads) {
   constexpr std::size_t kTask = 128;
   std::vector<float> means(values.size(), 1.0f);
   parallelFor(values.size(), threads, kTask, [&](std::size_t s, int) {
     thread_local std::vector<double> window;
-    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, kWindow));
-    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + kWindow + 1));
-    window.assign(values.begin() + first, values.begin() + end);
+    const auto [first, end] = windowAround(s, values.size());
+    window.assign(&values[first], &values[first] + (end - first));
     means[s] = static_cast<float>(trimmedMean(window, constants.trim));
   });
   return means;

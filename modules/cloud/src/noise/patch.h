@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/cloud/detail/noise.h"
@@ -166,6 +167,10 @@ double trimmedMean(std::vector<double>& values, double trim);
  * and McLaughlin 1963); 0 for fewer than two. */
 double trimmedMeanError(std::vector<double> values, double trim);
 
+/** \brief The window around a place of several in Morton order: its first place and the one after
+ * its last. */
+std::pair<std::size_t, std::size_t> windowAround(std::size_t place, std::size_t places);
+
 /** \brief Trimmed means over windows around each of the values, which are in Morton order. */
 std::vector<float> windowedMeans(const std::vector<double>& values, const NoiseConstants& constants,
                                  int threads);
@@ -265,5 +270,11 @@ double levelOf(const PatchScale& scale, const NoiseConstants& constants);
 
 /** \brief Number of points that share an error, measured on a scale; 1: white noise. */
 double correlationOf(const PatchScale& scale, const NoiseConstants& constants);
+
+/** \brief Whether white noise varies over places by more than two standard errors.
+ * \param[in] scale patches of k points \param[in] wider of 2 k points, at the same places
+ * \param[in] points of the store \param[in] level the cloud's variance */
+bool noiseVaries(const PatchScale& scale, const PatchScale& wider, std::size_t points, double level,
+                 const NoiseConstants& constants, int threads);
 
 }  // namespace pcl_slim::detail

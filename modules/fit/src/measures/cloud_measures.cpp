@@ -211,10 +211,11 @@ void measureProfile(const PointStore& store, const FitParams& params, const Nois
     takeVariances(modelProfile(store, params, constants, threads), constants.least_ratio, measures);
   } else if (params.local_noise == false) {
     return;
-  } else if (params.local_noise == true || (shared && measuresResiduals(params))) {
-    measures.noise_profile = measureNoiseProfile(store, residual, constants, threads);
-  } else if (measuresResiduals(params) && residual.uneven) {
-    measures.noise_profile = measureRaisedProfile(store, residual, constants, threads);
+  } else if (params.local_noise == true || measuresResiduals(params)) {
+    if (shared)
+      measures.noise_profile = measureNoiseProfile(store, residual, constants, threads);
+    else if (params.local_noise == true || residual.varies)
+      measures.noise_profile = measureNoiseField(store, residual, constants, threads);
   }
 }
 

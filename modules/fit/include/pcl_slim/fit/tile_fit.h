@@ -21,7 +21,7 @@ struct CloudTraits {
   float min_dot = 0;        ///< cosine from which on two normals belong together
   double normal_error = 0;  ///< > 0: normals are data too, this many radians off
   /** \brief How the noise varies inside a tile. */
-  enum class Profile : unsigned char { kNone, kMeasured, kRaised } profile = Profile::kNone;
+  enum class Profile : unsigned char { kNone, kMeasured, kField } profile = Profile::kNone;
   double spacing =
       0;  ///< of the median point's neighbours (medianSpacing()), which decides on outliers
   std::uint64_t noise_neighbors = 0;  ///< points of the patches that a profile is measured on

@@ -87,8 +87,7 @@ struct NoiseLevel {
   double dependence = 1;
   double step = 0;         ///< step of quantised coordinates [local length]; 0: none was found
   std::size_t frames = 0;  ///< number of frames measured; 0: the cloud was measured as a whole
-  /// Some places have so much more noise than others that a fit would take it for detail.
-  bool uneven = false;
+  bool varies = false;     ///< white noise that differs over the cloud by more than chance
 };
 
 /** \brief Measures noise by NoiseEstimator::kCubicResidual. \return an empty level for stores of
@@ -137,13 +136,16 @@ PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
                                                        const NoiseConstants& constants,
                                                        int threads);
 
-/** \brief The profile for uneven noise. \return ratios above 1 where the noise exceeds the
- * level's; below 1 on objects whose points are 8 times as dense or more, and whose noise is a quarter of the
- * level or less; 1 elsewhere, and where the excess grows with the patch as detail does. */
-PCL_SLIM_EXPORT std::vector<float> measureRaisedProfile(const PointStore& store,
-                                                        const NoiseLevel& level,
-                                                        const NoiseConstants& constants,
-                                                        int threads);
+/** \brief How white noise varies over a cloud, as noiseProfile(), by empirical Bayes.
+ *
+ * A place's noise is the median of 17 patches around it. Its logarithm over the cloud's is drawn
+ * towards 0 by its standard error over the scatter of all places: noise that is alike everywhere
+ * gives one level, a mixture its parts. Noise above the level counts where it does not depend on
+ * the size of the patch, as detail, edges and thin rods do. \return ratios between 1e-6 and 20;
+ * empty where chance explains all differences. O(n / 128 patches of k and of 2 k points). */
+PCL_SLIM_EXPORT std::vector<float> measureNoiseField(const PointStore& store,
+                                                     const NoiseLevel& level,
+                                                     const NoiseConstants& constants, int threads);
 
 /** \brief RMS error along the ray from a sensor: a + b z + c z^2 at distance z [local length]. */
 struct RangeError {

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How noise varies along the Morton curve (docs/theory.md, "Noise").
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "noise/patch.h"
+#include "pcl_slim/cloud/detail/noise.h"
+#include "pcl_slim/cloud/noise_level.h"
+#include "pcl_slim/core/order_statistics.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr std::size_t kPointsPerRun = 128;  ///< number of points of one entry of a noise profile
+constexpr std::size_t kMostRuns = 8192;     ///< largest number of entries of a profile
+
+/** The number of entries of a profile, one for each run of points along the Morton curve. */
+std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
+  return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
+                    kMostRuns);
+}
+
+}  // namespace
+
+std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
+                                       const NoiseConstants& constants, int threads) {
+  if (level.neighbors == 0) return {};
+  threads = resolveThreads(threads);
+  ThinnedPlaces places(store, runsOf(store, constants));
+  std::vector<double> variances =
+      measureScale(places, level.neighbors, constants, threads).variances;
+  std::vector<float> profile = windowedMeans(variances, constants, threads);
+  const double whole = trimmedMean(variances, constants.trim);
+  const float least = constants.least_ratio;
+  for (float& ratio : profile) {
+    ratio = whole > 0 ? std::clamp(static_cast<float>(ratio / whole), least, 1 / least) : 1.0f;
+  }
+  return profile;
+}
+
+// The field of white noise: a normal prior for the logarithm of the ratio to the cloud's level,
+// whose variance the places themselves give (empirical Bayes; Efron and Morris 1973).
+
+namespace {
+
+constexpr double kLeastRatio = 1e-6;            ///< least ratio of a local variance to the cloud's
+constexpr double kVarianceOfMedian = M_PI / 2;  ///< over that of a mean of normal values
+constexpr double kQuartileRange = 1.349;        ///< of a standard normal distribution
+constexpr std::size_t kLeastValues = 4;         ///< a window with fewer values is unknown
+
+/** The noise around a place. */
+struct LocalNoise {
+  double log = 0;     ///< logarithm of its variance over the cloud's
+  double chance = 0;  ///< squared standard error of it; < 0: unknown
+};
+
+/** The median of the logarithms of the patches around every place. Patches across an edge of the
+ * surface or on an object beside it are few, so that they hardly change a median.
+ * \param[in] overlap number of patches that contain a point, at least 1: as many have one chance
+ * error */
+std::vector<LocalNoise> localNoise(const PatchScale& scale, double level, double overlap,
+                                   const NoiseConstants& constants, int threads) {
+  std::vector<double> variances = scale.variances;
+  restoreCutVariances(scale.radii, constants, threads, variances);
+  // The median of chi-square over its number of degrees of freedom (Wilson and Hilferty 1931).
+  const auto freedom = static_cast<double>(scale.k / scale.stride - kCubicTerms);
+  const double bias = 3 * std::log(1 - 2 / (9 * freedom));
+  std::vector<LocalNoise> noise(variances.size());
+  std::vector<double> logs;
+  for (std::size_t s = 0; s < variances.size(); ++s) {
+    const auto [first, end] = windowAround(s, variances.size());
+    logs.clear();
+    for (std::size_t i = first; i < end; ++i) {
+      if (variances[i] >= 0) logs.push_back(std::log(std::max(variances[i] / level, kLeastRatio)));
+    }
+    noise[s].chance = -1;
+    if (logs.size() < kLeastValues) continue;
+    std::sort(logs.begin(), logs.end());
+    const std::size_t n = logs.size();
+    const double spread = (logs[3 * n / 4] - logs[n / 4]) / kQuartileRange;
+    noise[s].log = logs[n / 2] - bias;
+    noise[s].chance = kVarianceOfMedian * spread * spread * overlap / static_cast<double>(n);
+  }
+  return noise;
+}
+
+/** How the noise of a cloud varies over places. */
+struct NoiseField {
+  std::vector<LocalNoise> places;
+  double variance = 0;  ///< of the true logarithms about that of the cloud's level
+  double error = 0;     ///< standard error of this variance where it is 0
+};
+
+/** Estimates the field from patches of k and of 2 k points at the same places. Where noise exceeds
+ * the level, patches of both sizes must have the same variance within two standard errors: that of
+ * detail, edges and thin rods depends on the size. */
+NoiseField fieldOf(const PatchScale& scale, const PatchScale& wider, std::size_t points,
+                   double level, const NoiseConstants& constants, int threads) {
+  const double per_point = static_cast<double>(scale.variances.size() * scale.k);
+  const double overlap = std::max(1.0, per_point / static_cast<double>(points));
+  NoiseField field;
+  field.places = localNoise(scale, level, overlap, constants, threads);
+  const auto wide = localNoise(wider, level, overlap, constants, threads);
+  const double most = -std::log(static_cast<double>(constants.least_ratio));
+  double squares = 0, chances = 0, known = 0;
+  for (std::size_t s = 0; s < field.places.size(); ++s) {
+    LocalNoise& place = field.places[s];
+    if (place.chance < 0) continue;
+    const double growth = wide[s].log - place.log;
+    const double chance = place.chance + std::max(0.0, wide[s].chance);
+    const bool constant = wide[s].chance >= 0 && growth * growth < 4 * chance;
+    if (place.log > 0) place.log = constant ? std::min(place.log, most) : 0;
+    squares += place.log * place.log;
+    chances += place.chance;
+    ++known;
+  }
+  if (!(known > 0)) return field;
+  field.variance = std::max(0.0, (squares - chances) / known);
+  const auto [first, end] = windowAround(field.places.size() / 2, field.places.size());
+  const double windows = known / static_cast<double>(end - first);
+  field.error = chances / known * std::sqrt(2 / std::max(1.0, windows));
+  return field;
+}
+
+}  // namespace
+
+bool noiseVaries(const PatchScale& scale, const PatchScale& wider, std::size_t points, double level,
+                 const NoiseConstants& constants, int threads) {
+  if (!(level > 0)) return false;
+  const NoiseField field = fieldOf(scale, wider, points, level, constants, threads);
+  return field.variance > 2 * field.error;
+}
+
+std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& level,
+                                     const NoiseConstants& constants, int threads) {
+  if (level.neighbors == 0 || !(level.variance > 0)) return {};
+  threads = resolveThreads(threads);
+  ThinnedPlaces places(store, runsOf(store, constants));
+  const PatchScale scale = measureScale(places, level.neighbors, constants, threads);
+  const PatchScale wider = measureScale(places, 2 * level.neighbors, constants, threads, &scale);
+  const NoiseField field = fieldOf(scale, wider, store.size(), level.variance, constants, threads);
+  if (!(field.variance > 0)) return {};
+  std::vector<float> ratios(field.places.size(), 1.0f);
+  for (std::size_t s = 0; s < ratios.size(); ++s) {
+    const LocalNoise& place = field.places[s];
+    if (place.chance < 0) continue;
+    const double share = field.variance / (field.variance + place.chance);
+    ratios[s] = static_cast<float>(std::exp(share * place.log));
+  }
+  return ratios;
+}
+
+std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
+                                 const NoiseConstants& constants, int threads) {
+  threads = resolveThreads(threads);
+  const std::size_t k = smallestPatch(store, constants, threads);
+  const std::size_t stride = patchStride(k, constants);
+  const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+    thread_local Patch patch;
+    patchAbout(store, search, sample, k / stride, patch);
+    const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
+    const Vector3 ray = subtract(store.position(sample), sensor);
+    const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
+    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
+    const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
+    return sigma * sigma * along * along;
+  };
+  const std::size_t runs = runsOf(store, constants);
+  return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
+}
+
+}  // namespace pcl_slim::detail
+
+namespace pcl_slim {
+
+std::vector<float> noiseProfile(const PointStore& store, int threads) {
+  const detail::NoiseConstants constants;
+  return detail::measureNoiseProfile(store, detail::measureNoise(store, constants, threads),
+                                     constants, threads);
+}
+
+}  // namespace pcl_slim
