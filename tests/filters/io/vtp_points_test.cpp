@@ -225,6 +225,25 @@ TEST(VtpPoints, ATakenNameGrows) {
   EXPECT_EQ(folder.numFiles(), 1u);
 }
 
+TEST(VtpPoints, FacesMayHaveNoCorners) {
+  const TemporaryFolder folder;
+  writeText(folder / "a.vtp",
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" "
+            "byte_order=\"LittleEndian\"><PolyData>"
+            "<Piece NumberOfPoints=\"1\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
+            "NumberOfStrips=\"0\" NumberOfPolys=\"2\"><Points>"
+            "<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">1 2 3"
+            "</DataArray></Points><Polys>"
+            "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\"></DataArray>"
+            "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">0 0</DataArray>"
+            "</Polys></Piece></PolyData></VTKFile>\n");
+  const auto file = loadPointFile(folder / "a.vtp");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->face_begin, (std::vector<std::uint32_t>{0, 0, 0}));
+  EXPECT_TRUE(file->face_vertices.empty());
+  EXPECT_FALSE(file->validate());
+}
+
 TEST(VtpPoints, DamageNeverCrashesAndIsToldInOneLine) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(kAllTypes, 12);

@@ -353,7 +353,8 @@ Error readFaces(const VtpMarkup& markup, PointFile& file) {
   const auto corners = readCounts(markup, findArray(markup, "Polys", "connectivity"), ends->back());
   if (!corners) return corners.error();
   const bool sorted = std::is_sorted(ends->begin(), ends->end());
-  if (!sorted || *std::max_element(corners->begin(), corners->end()) >= markup.points)
+  const auto isMissing = [&](std::uint64_t vertex) { return vertex >= markup.points; };
+  if (!sorted || std::any_of(corners->begin(), corners->end(), isMissing))
     return badInput("the VTP file's faces name vertices that it does not have; write it again");
   file.face_begin.assign(1, 0);
   file.face_begin.insert(file.face_begin.end(), ends->begin(), ends->end());
