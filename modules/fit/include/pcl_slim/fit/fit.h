@@ -72,7 +72,7 @@ struct PCL_SLIM_EXPORT FitParams {
   bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
   bool keep_outliers = false;  ///< fit points that are far from all others, too (findOutliers())
   /// lambda varies over the cloud: noisy parts are smoothed more than clean ones; unset: where
-  /// neighbouring points share errors, or the noise of some parts would be taken for detail
+  /// neighbouring points share errors, or noise differs by more than chance
   std::optional<bool> local_noise;
   /// number of points that share an error, as the pixels of a depth camera do; 1: independent
   /// errors; unset: estimated
