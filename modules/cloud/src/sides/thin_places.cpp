@@ -20,27 +20,6 @@ constexpr std::size_t kPatchPoints = 384;  ///< most points used of a patch, eve
 /// Number of points of the widest patch. Wider ones would cost more than the fit.
 constexpr std::size_t kMostPatch = 12288;
 
-/** Whether two sheets are above each other, unlike the two faces of an edge: across the normal, the
- * distance of their means is below their RMS width. */
-bool overlap(const Eigen::Matrix3Xd& local, double middle) {
-  Eigen::Vector2d sum[2] = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  double count[2] = {0, 0};
-  for (Eigen::Index i = 0; i < local.cols(); ++i) {
-    const int side = local(0, i) > middle;
-    count[side] += 1;
-    sum[side] += local.col(i).tail<2>();
-  }
-  const Eigen::Vector2d means[2] = {sum[0] / count[0], sum[1] / count[1]};
-  const Eigen::Vector2d between = means[1] - means[0];
-  double squares[2] = {0, 0};
-  for (Eigen::Index i = 0; i < local.cols(); ++i) {
-    const int side = local(0, i) > middle;
-    squares[side] += std::pow(between.dot(local.col(i).tail<2>() - means[side]), 2);
-  }
-  const double length_sq = between.squaredNorm();
-  return length_sq * length_sq < 0.5 * (squares[0] / count[0] + squares[1] / count[1]);
-}
-
 /** Two sheets in a patch. */
 struct SheetGap {
   double gap = 0;        ///< distance of their means; 0: there is one sheet
@@ -66,8 +45,7 @@ SheetGap gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants) {
   const double between = above * (total - above) / total * gap * gap;
   const double within = std::max(0.0, heights.square().sum() - between) / total;
   const bool two = std::min(above, total - above) > constants.least_side * total &&
-                   gap * gap > constants.sheet_distance * constants.sheet_distance * within &&
-                   overlap(local, middle);
+                   gap * gap > constants.sheet_distance * constants.sheet_distance * within;
   return two ? SheetGap{gap, within} : SheetGap{};
 }
 
@@ -166,6 +144,9 @@ class PlaceTest {
     local = axes.eigenvectors().transpose() * (local.colwise() - local.rowwise().mean()).eval();
     const SheetGap sheets = gapOf(local, *constants_);
     if (!(sheets.gap > 0)) return false;
+    // Top and slopes of a bump are one bent sheet.
+    thread_local PatchCubic cubic;
+    if (fitCubic(patch, cubic) && cubic.variance < sheets.within_sq) return false;
     const double clean_sq = kSeparateDistance * kSeparateDistance * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
     figures.facing = !figures.thin && sheets.gap > kSeparateGap * figures.spacing;
