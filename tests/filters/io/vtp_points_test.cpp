@@ -244,6 +244,23 @@ TEST(VtpPoints, FacesMayHaveNoCorners) {
   EXPECT_FALSE(file->validate());
 }
 
+/** VTK's writer reads from a null pointer at cells of fewer than three corners. */
+TEST(VtpPoints, FacesOfFewCornersAreLeftOut) {
+  const TemporaryFolder folder;
+  PointFile file = randomPoints(kAllTypes, 4);
+  file.face_begin = {0, 0, 1, 3, 6};
+  file.face_vertices = {0, 1, 2, 3, 2, 1};
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto read = loadPointFile(folder / "a.vtp");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->face_begin, (std::vector<std::uint32_t>{0, 3}));
+  EXPECT_EQ(read->face_vertices, (std::vector<std::uint32_t>{3, 2, 1}));
+  file.face_begin = {0, 0, 0};
+  file.face_vertices.clear();
+  ASSERT_FALSE(savePointFile(folder / "b.vtp", file));
+  EXPECT_EQ(loadPointFile(folder / "b.vtp")->numFaces(), 0u);
+}
+
 TEST(VtpPoints, DamageNeverCrashesAndIsToldInOneLine) {
   const TemporaryFolder folder;
   PointFile file = randomPoints(kAllTypes, 12);

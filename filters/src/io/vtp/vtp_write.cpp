@@ -207,16 +207,18 @@ class Planner {
   std::vector<Plan> plans_;
 };
 
-/** The file's faces or, without any, a vertex for each point that has coordinates. */
+/** The file's faces or, without any, a vertex for each point that has coordinates. Faces of fewer than
+ * three corners are none to VTK, whose writer ends the program at them. */
 void addCells(const PointFile& file, vtkPolyData* data) {
   vtkNew<vtkCellArray> cells;
   std::vector<vtkIdType> corners;
   for (std::size_t f = 0; f < file.numFaces(); ++f) {
     corners.assign(file.face_vertices.begin() + file.face_begin[f],
                    file.face_vertices.begin() + file.face_begin[f + 1]);
-    cells->InsertNextCell(static_cast<vtkIdType>(corners.size()), corners.data());
+    if (corners.size() >= 3)
+      cells->InsertNextCell(static_cast<vtkIdType>(corners.size()), corners.data());
   }
-  if (file.numFaces() > 0) return data->SetPolys(cells);
+  if (cells->GetNumberOfCells() > 0) return data->SetPolys(cells);
   const vtkIdType n = data->GetNumberOfPoints();
   cells->AllocateExact(n, n);
   for (vtkIdType i = 0; i < n; ++i) {
