@@ -46,10 +46,15 @@ std::string numberText(double value) {
   return text;
 }
 
-/** Numbers and texts of the members of a JSON object, by name: all that such a file has. A truth is
- * 0 or 1. Members that are objects are no part of it. */
+/** A number, or a list of them. A truth is 0 or 1. */
+struct Numbers {
+  std::vector<double> values;
+  bool is_list = false;
+};
+
+/** Numbers and texts of the members of a JSON object, by name: all that such a file has. */
 struct FlatObject {
-  std::map<std::string, std::vector<double>> numbers;
+  std::map<std::string, Numbers> numbers;
   std::map<std::string, std::string> texts;
 };
 
@@ -63,7 +68,7 @@ class FlatReader {
     if (!take('{')) return false;
     do {
       std::string name, text;
-      std::vector<double> numbers;
+      Numbers numbers;
       if (!readText(name) || !take(':')) return false;
       if (readText(text)) {
         object.texts[name] = text;
@@ -110,12 +115,12 @@ class FlatReader {
     return true;
   }
 
-  bool readNumbers(std::vector<double>& numbers) {
-    const bool list = take('[');
+  bool readNumbers(Numbers& numbers) {
+    numbers.is_list = take('[');
     do {
-      if (!readNumber(numbers.emplace_back())) return false;
-    } while (list && take(','));
-    return !list || take(']');
+      if (!readNumber(numbers.values.emplace_back())) return false;
+    } while (numbers.is_list && take(','));
+    return !numbers.is_list || take(']');
   }
 
   const char* next_;
@@ -176,9 +181,10 @@ Result<SensorNoise> sensorNoiseFromJson(const std::string& text, const std::stri
   std::vector<Member> members = membersOf(noise);
   for (Member& member : members) {
     const auto found = object.numbers.find(member.name);
-    if (found == object.numbers.end() || found->second.size() != member.values.size())
+    if (found == object.numbers.end() || found->second.is_list != member.is_list ||
+        found->second.values.size() != member.values.size())
       return refused(std::string("lacks the member '") + member.name + "' of a sensor's noise");
-    member.values = found->second;
+    member.values = found->second.values;
   }
   const auto number = [&](std::size_t i) { return members[i].values[0]; };
   constexpr double kMostWhole = 4294967295.0;
