@@ -11,7 +11,7 @@
 namespace pcl_slim {
 
 /** \brief The inputs of a program that was given -out: each has its output in that folder, and is
- * worked on by a process of its own, as if it had been the only one. */
+ * worked on by a process of its own, as if it had been the only one but for OptionTable::handOn(). */
 class SeveralInputs {
  public:
   explicit SeveralInputs(OptionTable& options) : options_(options) {}

@@ -68,7 +68,7 @@ struct Row {
   std::string name;
   int frames = 0, measured_anew = 0;
   double position = 0, normal = 0;
-  std::vector<double> cpu, wall;
+  std::vector<double> cpu = {}, wall = {};
 
   void add(const measure::SensorErrors& errors) {
     ++frames;

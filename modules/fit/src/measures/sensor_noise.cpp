@@ -92,7 +92,7 @@ Estimate residualShare(const SensorNoise& noise, const Places& places, std::size
 }
 
 constexpr std::size_t kCheckedPlaces = 256;  ///< of a frame that is compared with a sensor's noise
-constexpr std::size_t kMeasuredPlaces = 2000;  ///< of a frame on which it is measured
+constexpr std::size_t kMeasuredPlaces = 1000;  ///< of a frame on which it is measured
 
 /** How a frame's residuals agree with a sensor's noise. */
 struct Agreement {
