@@ -69,9 +69,11 @@ void bindSensorNoise(py::module_& m) {
       .def(py::init<>())
       .def_static("from_json", &fromJson, py::arg("text"),
                   "Reads a JSON text, as of SensorNoise.json or a file of -save_noise.")
-      .def_property_readonly("json", &jsonOf)
-      .def_property_readonly("check", &checkOf)
-      .def_property_readonly("ratio", &ratioOf);
+      .def_property_readonly("json", &jsonOf, "What is known, a JSON text; None before a frame.")
+      .def_property_readonly("check", &checkOf,
+                             "'measured', 'agrees', 'differs' or 'not_seen', of the last frame.")
+      .def_property_readonly("ratio", &ratioOf,
+                             "Residual of the last frame over that of the noise kept, or None.");
 }
 
 }  // namespace pcl_slim::python

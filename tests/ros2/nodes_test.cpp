@@ -10,6 +10,7 @@
 #include <regex>
 #include <set>
 
+#include "cloud_work.h"
 #include "pcl_slim/filters/io/point_message.h"
 #include "pcl_slim/filters/table/scan_work.h"
 #include "table/message_clouds.h"
@@ -101,6 +102,32 @@ TEST(RosNodes, TheSmootherPublishesWhatTheLibraryMakes) {
     EXPECT_EQ(made.row_step, made.width * made.point_step);
     EXPECT_EQ(made.fields.size(), expected->points.fields.size());
   }
+}
+
+TEST(RosNodes, TheNoiseOfTheSensorIsKept) {
+  const auto first = sphereTable(driverLayouts()[0], 20000, 100);
+  auto second = first;  // the same, mirrored: another order of its points, the same noise
+  const auto value = [&](std::size_t i, const char* name) {
+    const auto field = static_cast<std::size_t>(pcl_slim::findField(first, name));
+    return pcl_slim::fieldValue(first, i, first.fields[field]);
+  };
+  for (std::size_t i = 0; i < pcl_slim::numPoints(first); ++i) {
+    pcl_slim_test::store(second, i, "x", value(i, "y"));
+    pcl_slim_test::store(second, i, "y", value(i, "x"));
+  }
+  const auto made = [](const CloudWork& work, const pcl_slim::PointTable& points) {
+    const auto done = work.process(points, nullptr);
+    EXPECT_TRUE(done) << done.error().message;
+    return done->points.data;
+  };
+  const auto keeping = makeWork(makeSmoothing, {}),
+             measuring = makeWork(makeSmoothing, {{"keep_noise", false}}),
+             given = makeWork(makeSmoothing, {{"noise", 2.0}});
+  ASSERT_TRUE(keeping && measuring && given);
+  EXPECT_EQ(made(**keeping, first), made(**measuring, first));
+  EXPECT_NE(made(**keeping, second), made(**measuring, second));
+  const auto once = made(**given, second);
+  EXPECT_EQ(made(**given, second), once) << "a noise that is given stays";
 }
 
 TEST(RosNodes, NormalsAndSplatsArePublished) {
