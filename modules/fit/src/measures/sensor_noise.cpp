@@ -91,6 +91,8 @@ Estimate residualShare(const SensorNoise& noise, const Places& places, std::size
   return estimateOf(shares);
 }
 
+/// Numbers of points of the narrow and the wide patches that a check compares.
+constexpr std::array<std::size_t, 2> kPatchSizes = {40, 320};
 constexpr std::size_t kCheckedPlaces = 256;  ///< of a frame that is compared with a sensor's noise
 constexpr std::size_t kMeasuredPlaces = 1000;  ///< of a frame on which it is measured
 
@@ -117,8 +119,8 @@ Agreement compareWith(const SensorNoise& noise, const PointStore& store,
                       const std::vector<SensorRay>& rays, const NoiseConstants& constants,
                       int threads) {
   Agreement agreement;
-  const Places places = residualsAtPlaces(store, SensorNoise::kPatchSizes, kCheckedPlaces, rays,
-                                          constants, threads, agreement.radius);
+  const Places places = residualsAtPlaces(store, kPatchSizes, kCheckedPlaces, rays, constants,
+                                          threads, agreement.radius);
   const double scale = store.scale();
   const auto difference = [&](std::size_t size, const Estimate& found) {
     const double error = std::hypot(found.error, noise.residual_error[size]);
@@ -276,7 +278,7 @@ NoiseLevel levelOf(const SensorNoise& noise, const PointStore& store, double var
   level.error = noise.relative_error;
   level.neighbors = noise.neighbors;
   level.patch_radius = radius * std::sqrt(static_cast<double>(noise.neighbors) /
-                                          static_cast<double>(SensorNoise::kPatchSizes[1]));
+                                          static_cast<double>(kPatchSizes[1]));
   level.patches = kCheckedPlaces;
   level.line = noise.line;
   level.correlation = noise.correlation;
@@ -330,8 +332,8 @@ std::optional<SensorNoise> describeSensor(const PointStore& store, const FitPara
   noise.neighbors = level.neighbors;
   double radius = 0;
   const std::vector<SensorRay> rays = raysOf(store, params, constants, threads);
-  const Places places = residualsAtPlaces(store, SensorNoise::kPatchSizes, kMeasuredPlaces, rays,
-                                          constants, threads, radius);
+  const Places places =
+      residualsAtPlaces(store, kPatchSizes, kMeasuredPlaces, rays, constants, threads, radius);
   if (!rays.empty()) measureByRange(rays, places, measures, scale, constants, threads, noise);
   for (std::size_t size = 0; size < noise.residual.size(); ++size) {
     const Estimate found = residualShare(noise, places, size, scale, 0, HUGE_VAL);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -18,9 +17,6 @@ namespace pcl_slim {
  * a fit with FitParams::sensor_noise uses it: there a check of a few hundred patches replaces the
  * measurement of the noise, unless the frame's residuals differ from it. */
 struct PCL_SLIM_EXPORT SensorNoise {
-  /// Numbers of points of the patches that the check compares.
-  static constexpr std::array<std::size_t, 2> kPatchSizes = {40, 320};
-
   /// a, b, c: RMS error a + b z + c z^2 along the ray at distance z from the sensor; where
   /// along_rays is false, a alone is the RMS error across the surface
   std::array<double, 3> error{};
@@ -32,7 +28,7 @@ struct PCL_SLIM_EXPORT SensorNoise {
   double step = 0;               ///< of quantised coordinates; 0: none
   std::uint64_t line = 0;        ///< points along a scan line that count as one; 0: no lines
   std::uint64_t neighbors = 0;   ///< points of a patch that shows all of the noise
-  /// RMS residual of cubics on patches of kPatchSizes points, as a share of the RMS error across the
+  /// RMS residual of cubics on patches of 40 and 320 points, as a share of the RMS error across the
   /// surface there: below 1 where a patch follows shared errors
   std::array<double, 2> residual{};
   std::array<double, 2> residual_error{};  ///< standard errors of these
@@ -49,7 +45,9 @@ struct PCL_SLIM_EXPORT SensorNoise {
   }
 };
 
+/** \brief Whether all members are equal. */
 PCL_SLIM_EXPORT bool operator==(const SensorNoise& a, const SensorNoise& b);
+/** \brief Whether a member differs. */
 inline bool operator!=(const SensorNoise& a, const SensorNoise& b) {
   return !(a == b);
 }
