@@ -80,7 +80,8 @@ class SurfaceWork : public CloudWork {
     return params;
   }
 
-  void keepNoise(const std::optional<pcl_slim::SensorNoise>& noise, const PointTable& points) const {
+  void keepNoise(const std::optional<pcl_slim::SensorNoise>& noise,
+                 const PointTable& points) const {
     if (!noise) return;
     sensor_noise_ = noise;
     const bool organised = points.height > 1;
