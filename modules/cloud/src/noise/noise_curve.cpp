@@ -449,7 +449,12 @@ CurveNoise measureRounding(const PointStore& store, std::size_t k, const NoiseCo
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }
 
-/** Whether more than uneven_share of the places have so much more noise than the cloud that a fit
+/// Ratio of a place's variance to the cloud's from which a fit takes the noise for detail.
+constexpr double kUnevenRatio = 2;
+/// Share of such places from which the noise is uneven.
+constexpr double kUnevenShare = 0.1;
+
+/** Whether more than kUnevenShare of the places have so much more noise than the cloud that a fit
  * takes it for detail. */
 bool isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
               const NoiseConstants& constants, int threads) {
@@ -457,8 +462,8 @@ bool isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
   const auto wide = windowedMeans(wider.variances, constants, threads);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
-    noisy += wide[s] > constants.uneven_ratio * variance && isFlat(narrow[s], wide[s], constants);
-  return static_cast<double>(noisy) > constants.uneven_share * static_cast<double>(wide.size());
+    noisy += wide[s] > kUnevenRatio * variance && isFlat(narrow[s], wide[s], constants);
+  return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(wide.size());
 }
 
 /** Whether the noise is uneven on two pairs of scales: k and 2 k, 2 k and 4 k points. At an edge of

@@ -282,14 +282,11 @@ namespace {
 constexpr std::size_t kPointsPerRun = 128;  ///< number of points of one entry of a noise profile
 constexpr std::size_t kMostRuns = 8192;     ///< largest number of entries of a profile
 
-}  // namespace
-
-std::size_t noiseRuns(const PointStore& store, const NoiseConstants& constants) {
+/** The number of entries of a profile, one for each run of points along the Morton curve. */
+std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
   return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
                     kMostRuns);
 }
-
-namespace {
 
 /** The mean variance of patches of k points around every run.
  * \param[out] whole trimmed mean of all patches */
@@ -309,7 +306,7 @@ std::vector<float> runVariances(const PointStore& store, std::size_t k, std::siz
 std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                                        const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0) return {};
-  const std::size_t runs = noiseRuns(store, constants);
+  const std::size_t runs = runsOf(store, constants);
   double whole;
   std::vector<float> profile =
       runVariances(store, level.neighbors, runs, constants, threads, &whole);
@@ -369,7 +366,7 @@ std::vector<float> measureRaisedProfile(const PointStore& store, const NoiseLeve
                                         const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   const std::size_t k = level.neighbors;
-  const std::size_t runs = noiseRuns(store, constants);
+  const std::size_t runs = runsOf(store, constants);
   threads = resolveThreads(threads);
   ThinnedPlaces places(store, runs);
   const PatchScale scale = measureScale(places, k, constants, threads);
@@ -399,7 +396,7 @@ std::vector<float> modelledNoise(const PointStore& store, const RangeError& erro
     const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
     return sigma * sigma * along * along;
   };
-  const std::size_t runs = noiseRuns(store, constants);
+  const std::size_t runs = runsOf(store, constants);
   return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
 }
 

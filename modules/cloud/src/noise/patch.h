@@ -166,10 +166,6 @@ double trimmedMean(std::vector<double>& values, double trim);
  * and McLaughlin 1963); 0 for fewer than two. */
 double trimmedMeanError(std::vector<double> values, double trim);
 
-/** \brief The number of entries of a noise profile, one for each run of points along the Morton
- * curve. */
-std::size_t noiseRuns(const PointStore& store, const NoiseConstants& constants);
-
 /** \brief Trimmed means over windows around each of the values, which are in Morton order. */
 std::vector<float> windowedMeans(const std::vector<double>& values, const NoiseConstants& constants,
                                  int threads);

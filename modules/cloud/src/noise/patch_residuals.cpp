@@ -14,8 +14,10 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kTask = 16;         ///< number of runs of a task
-constexpr std::size_t kPlaneStride = 4;   ///< every fourth point makes planes
+constexpr std::size_t kTask = 16;           ///< number of runs of a task
+constexpr std::size_t kPlaneStride = 4;     ///< every fourth point makes planes
+constexpr std::size_t kPointsPerRun = 128;  ///< number of points of a run
+constexpr std::size_t kLeastRuns = 100, kMostRuns = 8192;
 constexpr double kThin = 0.2;             ///< thickness over width of a plane with little noise
 constexpr std::ptrdiff_t kMostWidth = 8;  ///< largest number of runs to either side of a plane
 
@@ -76,10 +78,13 @@ Eigen::Vector3d normalAt(const std::vector<RunSums>& sums, std::size_t run) {
 
 }  // namespace
 
-std::vector<SensorRay> raysToRuns(const PointStore& store, const Vector3& sensor,
-                                  const NoiseConstants& constants, int threads) {
+std::vector<SensorRay> raysToRuns(const PointStore& store, const Vector3& sensor, std::size_t runs,
+                                  int threads) {
   threads = resolveThreads(threads);
-  const std::size_t runs = noiseRuns(store, constants);
+  if (runs == 0) {
+    const std::size_t least = std::min(kLeastRuns, store.size());
+    runs = std::clamp(store.size() / kPointsPerRun, least, kMostRuns);
+  }
   const std::vector<RunSums> sums = sumRuns(store, runs, threads);
   std::vector<SensorRay> rays(runs);
   parallelFor(runs, threads, kTask, [&](std::size_t r, int) {

@@ -24,13 +24,13 @@ using Places = std::vector<PlaceResiduals>;
 constexpr double kLeastCosine = 0.2;
 
 /** The rays from the place that the cloud was seen from; none where it is not known. */
-std::vector<SensorRay> raysOf(const PointStore& store, const FitParams& params,
-                              const NoiseConstants& constants, int threads) {
+std::vector<SensorRay> raysOf(const PointStore& store, const FitParams& params, std::size_t runs,
+                              int threads) {
   if (!params.viewpoint) return {};
   Vector3 sensor;
   for (std::size_t a = 0; a < 3; ++a)
     sensor[a] = ((*params.viewpoint)[a] - store.origin()[a]) / store.scale();
-  return raysToRuns(store, sensor, constants, threads);
+  return raysToRuns(store, sensor, runs, threads);
 }
 
 double errorAt(const std::array<double, 3>& error, double z) {
@@ -261,14 +261,15 @@ void measureByRange(const std::vector<SensorRay>& rays, const Places& places,
   noise.along_rays = true;
 }
 
+constexpr double kUnevenRatio = 2;    ///< of a run's variance to the level that is no chance
+constexpr double kUnevenShare = 0.1;  ///< share of such runs from which the noise is uneven
+
 /** Whether so much of a frame has so much more noise than its mean that a fit takes the noise for
  * detail. */
-bool isUneven(const std::vector<float>& variances, double mean, const NoiseConstants& constants) {
-  const auto noisy = std::count_if(variances.begin(), variances.end(), [&](float variance) {
-    return variance > constants.uneven_ratio * mean;
-  });
-  return static_cast<double>(noisy) >
-         constants.uneven_share * static_cast<double>(variances.size());
+bool isUneven(const std::vector<float>& variances, double mean) {
+  const auto noisy = std::count_if(variances.begin(), variances.end(),
+                                   [&](float variance) { return variance > kUnevenRatio * mean; });
+  return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(variances.size());
 }
 
 NoiseLevel levelOf(const SensorNoise& noise, const PointStore& store, double variance,
@@ -299,7 +300,7 @@ std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParam
   if (store.hasSensors() || store.hasFrameNumbers()) return {};
   if (noise.along_rays && !params.viewpoint) return {};
   const std::vector<SensorRay> rays =
-      noise.along_rays ? raysOf(store, params, constants, threads) : std::vector<SensorRay>();
+      noise.along_rays ? raysOf(store, params, 0, threads) : std::vector<SensorRay>();
   const Agreement agreement = compareWith(noise, store, rays, constants, threads);
   statistics.sensor_check = agreement.check;
   statistics.sensor_ratio = agreement.ratio;
@@ -310,8 +311,7 @@ std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParam
     sensed.profile = rangeNoise(rays, localError(noise.error, store.scale()), constants, threads);
   const double variance = noise.along_rays ? levelOf(sensed.profile, constants) : plain * plain;
   sensed.level = levelOf(noise, store, variance, agreement.radius);
-  if (params.local_noise == false ||
-      !(noise.dependence > 1 || isUneven(sensed.profile, variance, constants)))
+  if (params.local_noise == false || !(noise.dependence > 1 || isUneven(sensed.profile, variance)))
     sensed.profile.clear();
   return sensed;
 }
@@ -331,7 +331,7 @@ std::optional<SensorNoise> describeSensor(const PointStore& store, const FitPara
   noise.line = level.line;
   noise.neighbors = level.neighbors;
   double radius = 0;
-  const std::vector<SensorRay> rays = raysOf(store, params, constants, threads);
+  const std::vector<SensorRay> rays = raysOf(store, params, measures.noise_profile.size(), threads);
   const Places places =
       residualsAtPlaces(store, kPatchSizes, kMeasuredPlaces, rays, constants, threads, radius);
   if (!rays.empty()) measureByRange(rays, places, measures, scale, constants, threads, noise);

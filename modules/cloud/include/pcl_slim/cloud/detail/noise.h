@@ -61,10 +61,6 @@ struct NoiseConstants {
 
   /// Least ratio of a local noise variance to the cloud's. Its inverse is the largest.
   float least_ratio = 0.05f;
-  /// Ratio of a place's variance to the cloud's from which a fit takes the noise for detail.
-  double uneven_ratio = 2;
-  /// Share of such places from which the noise is uneven.
-  double uneven_share = 0.1;
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;

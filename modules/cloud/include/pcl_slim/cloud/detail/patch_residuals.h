@@ -18,11 +18,12 @@ struct SensorRay {
   double cosine = 1;  ///< of the angle between ray and surface normal, >= 0
 };
 
-/** \brief The rays to runs of points along the Morton curve, one for each run of a noise profile.
+/** \brief The rays to runs of points along the Morton curve.
  * Normals are those of planes through every fourth point of a run and, where these are thick, of
- * the runs around: O(n), without a search for neighbours. \param[in] sensor local position */
+ * the runs around: O(n), without a search for neighbours. \param[in] sensor local position
+ * \param[in] runs their number; 0: one for 128 points, 100 to 8192 */
 PCL_SLIM_EXPORT std::vector<SensorRay> raysToRuns(const PointStore& store, const Vector3& sensor,
-                                                  const NoiseConstants& constants, int threads);
+                                                  std::size_t runs, int threads);
 
 /** \brief Residual variances of cubics on a narrow and a wide patch at a place. */
 struct PlaceResiduals {
