@@ -25,6 +25,9 @@ OptionTable declareOptions(Settings& s) {
   OptionTable options = programOptions("pcl_slim_smooth");
   options.toggle("normals", &s.job.more_fields,
                  "also write the surface's normals and PCL's curvature; of a mesh, normals alone");
+  options.toggle(
+      "variation", &s.job.projection.variation,
+      "with -normals: PCL's curvature, too, which is a third of the time; 0: normals alone");
   options.toggle("curvatures", &s.job.curvatures,
                  "also write k1 k2 mean_curvature gaussian_curvature of the surface");
   options.toggle("errors", &s.job.errors,
@@ -60,7 +63,8 @@ PointFile smoothed(const PointFile& file, const CloudProjection& projection,
                    const ProjectionJob& job) {
   std::vector<std::string> names = {"x", "y", "z"};
   if (job.more_fields) names.insert(names.end(), {"normal_x", "normal_y", "normal_z"});
-  if (job.more_fields && !job.in_pieces) names.emplace_back("curvature");
+  if (job.more_fields && job.projection.variation && !job.in_pieces)
+    names.emplace_back("curvature");
   if (job.curvatures)
     names.insert(names.end(), {"k1", "k2", "mean_curvature", "gaussian_curvature"});
   if (job.errors) names.insert(names.end(), {"sigma_position", "sigma_normal"});

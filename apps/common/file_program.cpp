@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "common/program.h"
 #include "common/several_inputs.h"
 #include "common/standard_output.h"
 #include "pcl_slim/core/file_access.h"
@@ -40,6 +41,20 @@ Error checkPlacesWritten(const OptionTable& options) {
   return {};
 }
 
+/** A file that an option writes beside the output is none of the arguments. */
+Error checkOptionsWritten(const OptionTable& options) {
+  const auto isOption = [](const OptionTable::NamedFile& file) { return file.name[0] == '-'; };
+  for (const OptionTable::NamedFile& file : options.files()) {
+    if (!isOption(file) || file.use != FileUse::kWritten) continue;
+    for (const OptionTable::NamedFile& other : options.files()) {
+      if (isOption(other) || !samePlace(*file.target, *other.target)) continue;
+      return {ErrorCode::kBadArgument,
+              file.name + ": '" + *file.target + "' is " + other.name + ", too; name another file"};
+    }
+  }
+  return {};
+}
+
 /** A scan that is typed in is a mistake. */
 Error checkTerminal(const OptionTable& options) {
   for (const OptionTable::NamedFile& file : options.files()) {
@@ -58,6 +73,7 @@ Exit run(OptionTable& options, const char* invoked, const FileProgram& program) 
   if (Error error = stream.take(options)) return Exit::usage(error);
   if (Error error = program.finish()) return Exit::usage(error);
   if (Error error = checkPlacesWritten(options)) return Exit::usage(error);
+  if (Error error = checkOptionsWritten(options)) return Exit::usage(error);
   Exit exit = several.any() ? several.run(invoked) : program.run();
   const bool done = exit.status == kExitDone || exit.status == kExitBeyondLimits;
   if (!done) return exit;

@@ -41,6 +41,17 @@ struct OutputNames {
   std::string format;  ///< extension without its dot, or none
 };
 
+class OptionTable;
+
+/** \brief What the process of each of several inputs gets from that of the input before. */
+struct HandedOn {
+  std::string write, read;  ///< options, without their dashes: one file that both name
+  /** \brief Whether it is handed on, by the options given. */
+  std::function<bool(const OptionTable& options)> wanted;
+  /** \brief Whether what was written is of use for the next input. */
+  std::function<bool(const std::string& text)> keeps;
+};
+
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
  * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean
@@ -118,6 +129,10 @@ class OptionTable {
   /** \brief Adds -out, the folder of the outputs of several inputs, and -format, that of an output
    * without a name. Needs output(). */
   void outputNames(OutputNames* names);
+  /** \brief With several inputs, what one option writes is read by another one's next process. */
+  void handOn(HandedOn handed_on) { handed_on_ = std::move(handed_on); }
+  /** \brief What handOn() was given, or null. */
+  const HandedOn* handedOn() const { return handed_on_.write.empty() ? nullptr : &handed_on_; }
   /** \brief Of these options at most one may be given. */
   void exclusive(const std::vector<std::string>& names);
 
@@ -210,6 +225,7 @@ class OptionTable {
   std::string usual_;
   std::string* output_ = nullptr;
   const OutputNames* names_ = nullptr;
+  HandedOn handed_on_;
   bool has_folder_ = false;  ///< -out is on the command line
 };
 

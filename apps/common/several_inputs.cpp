@@ -113,25 +113,79 @@ Error SeveralInputs::check() const {
   return {};
 }
 
-/** \param[out] report the text of its report; null: none is made \return the exit status */
-int SeveralInputs::runOne(const Job& job, const char* invoked, std::string* report) const {
+namespace {
+
+/** A pipe to or from a process, which names its end /dev/fd/N. */
+class Pipe {
+ public:
+  ~Pipe() {
+    for (const int end : ends_) {
+      if (end >= 0) close(end);
+    }
+  }
+  Pipe() = default;
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  /** Makes it. \param[in] own end that the other process does not get: 0 reads, 1 writes */
+  bool open(std::size_t own) {
+    own_ = own;
+    return pipe(ends_) == 0 && fcntl(ends_[own], F_SETFD, FD_CLOEXEC) == 0;
+  }
+  std::string name() const { return "/dev/fd/" + std::to_string(ends_[1 - own_]); }
+  /** To be called once the process has started. */
+  void closeOther() { closeEnd(1 - own_); }
+  std::string read() const { return ends_[0] >= 0 ? readAll(ends_[0]) : ""; }
+  /** Writes a text that is shorter than what a pipe stores. */
+  bool write(const std::string& text) {
+    const ssize_t size = ::write(ends_[1], text.data(), text.size());
+    closeEnd(1);
+    return size == static_cast<ssize_t>(text.size());
+  }
+
+ private:
+  void closeEnd(std::size_t end) {
+    if (ends_[end] >= 0) close(ends_[end]);
+    ends_[end] = -1;
+  }
+
+  int ends_[2] = {-1, -1};
+  std::size_t own_ = 0;
+};
+
+}  // namespace
+
+/** \param[in] handed_on what the process before wrote for this one; empty: nothing
+ * \return the exit status */
+int SeveralInputs::runOne(const Job& job, const char* invoked, const std::string& handed_on,
+                          Left& left) const {
   std::vector<std::string> words = {options_.program(), job.input, job.output};
   words.insert(words.end(), options_.commonOptions().begin(), options_.commonOptions().end());
-  int ends[2] = {-1, -1};
-  if (report != nullptr) {
-    if (pipe(ends) != 0) return kExitFailed;
-    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
-    words.insert(words.end(), {"-json", "/dev/fd/" + std::to_string(ends[1])});
+  const HandedOn* handing = options_.handedOn();
+  if (handing != nullptr && !handing->wanted(options_)) handing = nullptr;
+  Pipe report, written, read;
+  if (report_ != nullptr && !report_->empty()) {
+    if (!report.open(0)) return kExitFailed;
+    words.insert(words.end(), {"-json", report.name()});
+  }
+  if (handing != nullptr) {
+    if (!written.open(0)) return kExitFailed;
+    words.insert(words.end(), {"-" + handing->write, written.name()});
+  }
+  if (handing != nullptr && !handed_on.empty()) {
+    if (!read.open(1)) return kExitFailed;
+    words.insert(words.end(), {"-" + handing->read, read.name()});
+    if (!read.write(handed_on)) return kExitFailed;
   }
   const pid_t process = startSelf(words, invoked);
-  if (report != nullptr) close(ends[1]);
+  for (Pipe* pipe : {&report, &written, &read}) pipe->closeOther();
   if (process > 0) {
     passSignalsTo(process);
-    if (report != nullptr) *report = readAll(ends[0]);
+    left.report = report.read();
+    left.handed_on = written.read();
   }
   const int status = process > 0 ? statusOf(process) : kExitFailed;
   passSignalsTo(0);
-  if (report != nullptr) close(ends[0]);
   return status;
 }
 
@@ -147,17 +201,20 @@ Error SeveralInputs::saveReports(const std::vector<std::string>& reports) const 
 Exit SeveralInputs::run(const char* invoked) const {
   const bool reports_wanted = report_ != nullptr && !report_->empty();
   std::vector<std::string> reports;
-  std::string failed;
+  std::string failed, handed_on;
   std::size_t failures = 0, done = 0;
   for (const Job& job : jobs_) {
-    std::string report;
-    const int status = runOne(job, invoked, reports_wanted ? &report : nullptr);
+    Left left;
+    const int status = runOne(job, invoked, handed_on, left);
     if (signalReceived() != 0) {
       return {kExitInterrupted, "stopped; " + std::to_string(done) + " of " +
                                     std::to_string(jobs_.size()) + " inputs are done"};
     }
     done += status == kExitDone ? 1 : 0;
-    if (status == kExitDone && reports_wanted) reports.push_back(report);
+    if (status == kExitDone && reports_wanted) reports.push_back(left.report);
+    if (status == kExitDone && !left.handed_on.empty() &&
+        options_.handedOn()->keeps(left.handed_on))
+      handed_on = left.handed_on;
     if (status == kExitDone) continue;
     failed += (failures++ > 0 ? ", '" : "'") + job.input + "'";
     if (status > 128 && status != kExitInterrupted) {

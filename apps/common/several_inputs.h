@@ -11,7 +11,7 @@
 namespace pcl_slim {
 
 /** \brief The inputs of a program that was given -out: each has its output in that folder, and is
- * worked on by a process of its own, as if it had been the only one. */
+ * worked on by a process of its own, as if it had been the only one but for OptionTable::handOn(). */
 class SeveralInputs {
  public:
   explicit SeveralInputs(OptionTable& options) : options_(options) {}
@@ -26,7 +26,8 @@ class SeveralInputs {
    * cannot be written. */
   Error check() const;
 
-  /** \brief Works on one input after the other, and writes the list of their reports where -json
+  /** \brief Works on one input after the other, hands on what OptionTable::handOn() names, and
+   * writes the list of their reports where -json
    * names a file. \param[in] invoked the program as it was called */
   Exit run(const char* invoked) const;
 
@@ -35,7 +36,13 @@ class SeveralInputs {
     std::string input, output;
   };
 
-  int runOne(const Job& job, const char* invoked, std::string* report) const;
+  /** \brief What one input's process leaves behind. */
+  struct Left {
+    std::string report;     ///< text of its report
+    std::string handed_on;  ///< what it writes for the next one
+  };
+
+  int runOne(const Job& job, const char* invoked, const std::string& handed_on, Left& left) const;
   Error saveReports(const std::vector<std::string>& reports) const;
 
   OptionTable& options_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <type_traits>
@@ -76,6 +77,38 @@ void declareParameters(OptionTable& options, FitJob& job, std::initializer_list<
   }
 }
 
+/** Options of a sensor's noise, which the process of one input hands on to that of the next. */
+void declareSensorNoise(OptionTable& options, FitJob& job) {
+  options.text("noise_from", &job.noise_from, "FILE.json",
+               "noise of the sensor, saved by -save_noise of an earlier frame: used if this scan's "
+               "residuals agree with it, else measured",
+               FileUse::kRead);
+  options.text("save_noise", &job.save_noise, "FILE.json",
+               "write the noise of the sensor for the next frames", FileUse::kWritten);
+  options.toggle("same_sensor", &job.same_sensor,
+                 "with -out: each scan's noise is that of the one before while its residuals agree "
+                 "with it",
+                 "auto: those with equal rows and columns");
+  for (const char* name : {"noise", "lambda", "noise_model", "t_mdl", "paper"}) {
+    options.exclusive({"noise_from", name});
+    options.exclusive({"save_noise", name});
+  }
+  options.exclusive({"noise_from", "correlation"});
+  const auto wanted = [&job](const OptionTable& table) {
+    const auto given = [&table](const char* name) { return table.given(name); };
+    constexpr const char* kOthers[] = {"noise_from", "noise", "lambda",      "noise_model",
+                                       "t_mdl",      "paper", "correlation", "local_noise",
+                                       "surface",    "mesh"};
+    return job.same_sensor.value_or(true) &&
+           std::none_of(std::begin(kOthers), std::end(kOthers), given);
+  };
+  const auto keeps = [&job](const std::string& text) {
+    const Result<SensorNoise> noise = sensorNoiseFromJson(text, "the scan before");
+    return noise && (job.same_sensor.value_or(false) || noise->rows > 0);
+  };
+  options.handOn({"save_noise", "noise_from", wanted, keeps});
+}
+
 }  // namespace
 
 void declareFitOptions(OptionTable& options, FitJob& job) {
@@ -88,6 +121,7 @@ void declareFitOptions(OptionTable& options, FitJob& job) {
   options.integer("estimate_normals", &job.normal_neighbours, 0, 10000,
                   "estimate normals from N neighbours, as PCL does; 0: none");
   options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
+  declareSensorNoise(options, job);
   declareParameters(options, job, {FitOption::kThreads, FitOption::kRun});
   for (const auto& names : exclusiveFitParameters())
     options.exclusive({names.begin(), names.end()});
@@ -102,7 +136,8 @@ void declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job
     if (row.group == FitOption::kFit || row.group == FitOption::kRun)
       options.exclusive({"surface", row.name});
   }
-  for (const char* name : {"frames", "frame_field"}) options.exclusive({"surface", name});
+  for (const char* name : {"frames", "frame_field", "noise_from", "save_noise"})
+    options.exclusive({"surface", name});
 }
 
 void declareSensorOptions(OptionTable& options, FitJob& job, const char* viewpoint_help) {
@@ -148,6 +183,12 @@ Error finishFitOptions(FitJob& job) {
             "a normal needs 3 neighbours or more; raise -estimate_normals"};
   }
   if (Error error = checkInputOptions(job.input)) return error;
+  job.params.keep_sensor_noise = !job.save_noise.empty();
+  if (!job.noise_from.empty()) {
+    Result<SensorNoise> noise = loadSensorNoise(job.noise_from);
+    if (!noise) return noise.error();
+    job.params.sensor_noise = *noise;
+  }
   return job.params.validate();
 }
 
@@ -236,6 +277,7 @@ void reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, 
 std::vector<std::string> filesRead(const FitJob& job, std::vector<std::string> others) {
   for (const std::string& file : frameFiles(job)) others.push_back(file);
   others.push_back(job.trajectory);
+  others.push_back(job.noise_from);
   return others;
 }
 
@@ -310,7 +352,9 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
   console.begin("Fitting");
   FittedScan fitted;
   fitted.store = std::move(*store);
-  Error error = fitStoredScan(scan, job.params, fitted, &console.progress());
+  std::string sensor_note;
+  const FitParams params = paramsFor(job, cloud, sensor_note);
+  Error error = fitStoredScan(scan, params, fitted, &console.progress());
   if (error && error.code != ErrorCode::kNoSurface) return console.failed(error);
   surface = std::move(fitted.surface);
   const FitStatistics& statistics = fitted.statistics;
@@ -336,8 +380,10 @@ Error fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Repor
         "  the normals follow the points' own noise, or too few points tell: "
         "used as directions, not as data");
   }
+  const Error unsaved =
+      finishSensorNoise(job, cloud, statistics.noise, sensor_note, console, report);
   if (kept) *kept = std::move(fitted.store);
-  return error;
+  return error ? error : unsaved;
 }
 
 }  // namespace pcl_slim

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,10 @@ struct FitJob {
   std::map<std::string, std::string> words;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
   double time_offset = 0;
-  std::string frames;       ///< further files of the scan, separated by commas
-  std::string frame_field;  ///< field of the numbers of a merged scan's frames
+  std::string frames;                  ///< further files of the scan, separated by commas
+  std::string frame_field;             ///< field of the numbers of a merged scan's frames
+  std::string noise_from, save_noise;  ///< files of a sensor's noise
+  std::optional<bool> same_sensor;     ///< several inputs are frames of one sensor
   bool use_normals = true;
   bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
   int normal_neighbours = 0;
@@ -62,7 +65,7 @@ void declareTrimOptions(OptionTable& options, FitJob& job);
  * none. */
 void declareColorOption(OptionTable& options, FitJob& job);
 
-/** \brief Reads the words given and checks the parameters. */
+/** \brief Reads the words and the sensor's noise given and checks the parameters. */
 Error finishFitOptions(FitJob& job);
 
 /** \brief The files that a job reads besides the scan itself, after others; empty names: none. */
@@ -106,6 +109,15 @@ std::string counted(std::uint64_t count, const std::string& what);
 /** \brief "noise 1.9 RMS, white"-like line: sigma in the scan's units and what kind of noise it is.
  */
 std::string noiseText(double diagonal, const FitStatistics& fit);
+
+/** \brief The noise of a sensor that a fit of a scan uses: none where the scan is of another size.
+ * \param[out] note a line about that */
+FitParams paramsFor(const FitJob& job, const CloudFile& cloud, std::string& note);
+
+/** \brief Prints and reports what became of the sensor's noise given, and saves that of this scan.
+ * \param[in] note of paramsFor() */
+Error finishSensorNoise(const FitJob& job, const CloudFile& cloud, const NoiseStatistics& noise,
+                        const std::string& note, Console& console, Report& report);
 
 /** \brief "solved: penalty 618, residual 0.002 of the diagonal; -noise_factor 206 repeats it": what
  * a fit to a target came to. \param[in] diagonal in the scan's unit, for "residual 0.03 RMS" in it;

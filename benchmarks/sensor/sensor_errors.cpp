@@ -114,17 +114,23 @@ Result<SensorErrors> errorsOfFit(const SensorScan& scan, const FitParams& params
   return errors;
 }
 
+SensorErrors errorsOf(const SensorScan& scan, const std::vector<Vector3>& places,
+                      const std::vector<Vector3>& normals) {
+  ErrorSums sums(scan);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool has_normal = std::isfinite(normals[i][0]);
+    if (std::isfinite(places[i][0])) sums.add(i, places[i], has_normal ? normals[i] : Vector3{});
+  }
+  return sums.errors();
+}
+
 SensorErrors errorsOfMls(const SensorScan& scan, double radius) {
   std::vector<Vector3> points;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     points.push_back({scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]});
   }
   const rivals::Smoothed smoothed = rivals::smoothByMls(points, 2, radius);
-  ErrorSums sums(scan);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::isfinite(smoothed.points[i][0])) sums.add(i, smoothed.points[i], smoothed.normals[i]);
-  }
-  return sums.errors();
+  return errorsOf(scan, smoothed.points, smoothed.normals);
 }
 
 }  // namespace pcl_slim::measure

@@ -19,6 +19,11 @@ struct SensorErrors {
  * smoother can decide the side of a point, and most of the squared error is there. */
 void leaveOutCreases(double distance, SensorScan& scan);
 
+/** \brief Errors of places and normals that a method gives for the points of a scan. Places that are
+ * not finite are left out, normals that are not finite are not counted. */
+SensorErrors errorsOf(const SensorScan& scan, const std::vector<Vector3>& places,
+                      const std::vector<Vector3>& normals);
+
 /** \brief A scan by our fit and projection; what no leaf supports keeps its place.
  * \param[in] fitter fits the surface; fitSurface() if empty */
 Result<SensorErrors> errorsOfFit(const SensorScan& scan, const FitParams& params,

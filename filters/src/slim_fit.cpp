@@ -99,6 +99,8 @@ Error SLIMFitBase::fitAndKeep(const ScanView& scan, const FitParams& params, Fit
   }
   Error error = fitScan(scan, params, fitted, &control_.progress);
   statistics_ = fitted.statistics;
+  if (!error && params.keep_sensor_noise && statistics_.noise.sensor_noise)
+    params_.sensor_noise = statistics_.noise.sensor_noise;
   input_statistics_ = fitted.store.statistics();
   outliers_.clear();
   for (const std::uint32_t i : statistics_.outlier_points)

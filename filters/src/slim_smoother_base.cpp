@@ -120,6 +120,7 @@ ProjectionParams SLIMSmootherBase::requestedBy(const Target& target) const {
   const bool curvature = target.curvature != kNoField && curvature_ != kSurfaceVariation;
   requested.curvature = curvature || target.hasCurvatures();
   requested.planes = target.normal != kNoField || target.curvature != kNoField;
+  requested.variation = target.curvature != kNoField && curvature_ == kSurfaceVariation;
   return requested;
 }
 
@@ -252,6 +253,7 @@ bool SLIMSmootherBase::projectCandidates(const CloudView& points, const Projecti
   view.size = candidates.source.size();
   params.curvature = requested.curvature;
   params.planes = requested.planes;
+  params.variation = requested.variation;
   return projectMore(view, params, projection);
 }
 

@@ -10,8 +10,10 @@ Functions that take a scan fit a surface first; smooth, curvature, normals, cova
 as surface=. Options are keyword arguments with the names and the meaning of the programs' options. Arrays are read in
 place where rows are three consecutive float32 or float64. Work runs without the interpreter's lock and ends at Ctrl-C.
 """
-from ._pcl_slim import (Camera, Curvature, Lines, Mesh, Normals, NoSurfaceError, Projection, Samples, Splats, Surface,
-                        __version__, covariances, curvature, fit, lines, load, normals, save_picture, smooth, splats)
+from ._pcl_slim import (Camera, Curvature, Lines, Mesh, Normals, NoSurfaceError, Projection, Samples, SensorNoise, Splats,
+                        Surface, __version__, covariances, curvature, fit, lines, load, normals, save_picture, smooth,
+                        splats)
 
-__all__ = ["Camera", "Curvature", "Lines", "Mesh", "NoSurfaceError", "Normals", "Projection", "Samples", "Splats",
-           "Surface", "covariances", "curvature", "fit", "lines", "load", "normals", "save_picture", "smooth", "splats", "__version__"]
+__all__ = ["Camera", "Curvature", "Lines", "Mesh", "NoSurfaceError", "Normals", "Projection", "Samples", "SensorNoise",
+           "Splats", "Surface", "covariances", "curvature", "fit", "lines", "load", "normals", "save_picture", "smooth",
+           "splats", "__version__"]

@@ -31,6 +31,7 @@ noise       RMS error of the points, in their unit; None: estimated
 degree      of the polynomials, 1 to 4; None: 4, with sharp 2
 penalty     price of a coefficient; None: 3; larger is smoother
 target_error  RMS residual to reach, share of the box diagonal, in place of penalty
+sensor_noise  SensorNoise() shared by the frames of one sensor: measured once, checked by each later one
 threads     0: all cores; never changes the result
 progress    called with the share done (float) and the stage (str), about 20 times a second
 
@@ -47,18 +48,23 @@ SurfacePointer fit(const py::object& points, const py::object& normals, const py
     Scan scan;
     FitParams params;
     FittedScan fitted;
+    KeptNoisePointer sensor_noise;
   };
   Keywords keywords("fit", given);
   auto state = std::make_shared<State>();
   ScanArguments arguments{points, normals, colors};
   state->params = keywords.takeFit(FitUse::kSurface);
+  state->sensor_noise = keywords.sensorNoise();
   keywords.takeScan(arguments, state->params);
   const py::object progress = keywords.take("progress");
   keywords.finish();
   if (Error error = state->params.validate()) raise(error);
   state->scan = readScan(arguments);
   run(progress, state, [s = state.get()](Work& work) {
-    return fitScan({s->scan.view(), s->scan.colors()}, s->params, s->fitted, work.progress());
+    Error error =
+        fitScan({s->scan.view(), s->scan.colors()}, s->params, s->fitted, work.progress());
+    if (!error && s->sensor_noise) s->sensor_noise->take(s->fitted.statistics.noise);
+    return error;
   });
   auto surface = std::make_shared<Surface>(std::move(state->fitted.surface));
   describeFit(state->fitted.store, state->params, state->fitted.statistics, *surface);

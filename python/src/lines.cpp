@@ -46,8 +46,11 @@ py::object lines(const py::object& points, const py::object& normals, const Surf
   const py::object progress = keywords.take("progress");
   keywords.finish();
   run(progress, state, [s = state.get()](Work& work) {
-    return traceScanLines(s->scan->view(), s->scan->given.get(), s->scan->params, s->crest,
-                          s->traced, work.progress());
+    Error error = traceScanLines(s->scan->view(), s->scan->given.get(), s->scan->params, s->crest,
+                                 s->traced, work.progress());
+    if (!error && s->scan->sensor_noise)
+      s->scan->sensor_noise->take(s->traced.fitted.statistics.noise);
+    return error;
   });
   return py::cast(std::make_shared<CrestLines>(std::move(state->traced.lines)));
 }

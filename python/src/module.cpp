@@ -5,6 +5,7 @@
 #include "mesh.h"
 #include "pcl_slim/version.h"
 #include "pictures.h"
+#include "sensor_noise.h"
 #include "splats.h"
 #include "surface.h"
 #include "view.h"
@@ -24,6 +25,7 @@ PYBIND11_MODULE(_pcl_slim, m) {
   py::class_<Mesh, MeshPointer> mesh(m, "Mesh");
   py::class_<Splats, SplatsPointer> splats(m, "Splats");
   bindCamera(m);
+  bindSensorNoise(m);
   bindSurface(m, surface);
   bindFit(m);
   bindScanFunctions(m, surface);
@@ -32,6 +34,6 @@ PYBIND11_MODULE(_pcl_slim, m) {
   bindMesh(surface, mesh);
   bindSplats(m, splats);
   bindPictures(m, surface, mesh, splats);
-  for (const char* name : {"Surface", "Mesh", "Splats", "Camera", "Lines"})
+  for (const char* name : {"Surface", "Mesh", "Splats", "Camera", "Lines", "SensorNoise"})
     m.attr(name).attr("__module__") = "pcl_slim";
 }

@@ -180,6 +180,8 @@ FitParams Keywords::takeFit(FitUse use) {
     std::visit(ParameterSetter(row, value, params), row.member);
   }
   checkExclusive(given);
+  sensor_noise_ = takeSensorNoise(take("sensor_noise"), params);
+  if (sensor_noise_) only_fits_.emplace_back("sensor_noise");
   params.threads = takeThreads();
   return params;
 }

@@ -12,6 +12,7 @@
 
 #include "arrays.h"
 #include "pcl_slim/fit/fit.h"
+#include "sensor_noise.h"
 
 namespace pcl_slim::python {
 
@@ -42,6 +43,8 @@ class Keywords {
   void takeScan(ScanArguments& scan, FitParams& params);
   /** \brief All options of a fit; those given are recorded. */
   FitParams takeFit(FitUse use);
+  /** \brief The SensorNoise given to the last fit, or null. */
+  const KeptNoisePointer& sensorNoise() const { return sensor_noise_; }
   /** \brief Raises for a keyword of the last fit that has no effect beside a surface. */
   void refuseWithSurface() const;
   /** \brief Raises TypeError for keywords that nobody took. */
@@ -51,6 +54,7 @@ class Keywords {
   const char* function_;
   py::kwargs given_;
   std::vector<std::string> known_;
+  KeptNoisePointer sensor_noise_;
   std::vector<std::string> only_fits_;  ///< given, and of no effect on a surface made before
 };
 

@@ -194,6 +194,7 @@ py::object curvature(const py::object& points, const py::object& normals, const 
   const py::object progress = keywords.take("progress");
   keywords.finish();
   state->wanted.directions = state->wanted.planes = true;
+  state->wanted.variation = false;
   const auto columns = std::make_shared<CurvatureColumns>(state, directions);
   run(progress, columns, [s = state.get(), out = columns.get()](Work& work) {
     if (Error error = fitAndProject(*s, false, work)) return error;
@@ -257,6 +258,7 @@ py::object normalsOf(const py::object& points, const py::object& normals, const 
   const py::object progress = keywords.take("progress");
   keywords.finish();
   state->scan->wanted.planes = true;
+  state->scan->wanted.variation = false;
   const auto n = static_cast<py::ssize_t>(state->scan->scan.size());
   state->normals = newArray<float>({n, 3});
   state->confidence = newArray<float>({n});
@@ -283,6 +285,7 @@ py::object covariances(const py::object& points, const py::object& normals,
   const py::object progress = keywords.take("progress");
   keywords.finish();
   state->scan->wanted.planes = true;
+  state->scan->wanted.variation = false;
   const auto n = static_cast<py::ssize_t>(state->scan->scan.size());
   state->covariances = newArray<double>({n, 3, 3});
   double* const first = state->covariances.mutable_data();

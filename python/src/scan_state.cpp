@@ -15,6 +15,7 @@ Error fitFirst(ScanState& s, Work& work) {
   if (s.given) return {};
   work.part(0, kShareOfFit);
   Error error = fitScan({s.view(), {}}, s.params, s.fitted, work.progress());
+  if (!error && s.sensor_noise) s.sensor_noise->take(s.fitted.statistics.noise);
   work.part(kShareOfFit, 1);
   return error;
 }
@@ -38,6 +39,7 @@ std::shared_ptr<ScanState> readState(const py::object& points, const py::object&
   auto state = std::make_shared<ScanState>();
   ScanArguments arguments{points, normals};
   state->params = keywords.takeFit(FitUse::kPoints);
+  state->sensor_noise = keywords.sensorNoise();
   keywords.takeScan(arguments, state->params);
   if (own) {
     state->given = own->shared();

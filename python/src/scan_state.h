@@ -19,6 +19,7 @@ struct ScanState {
   Scan scan;
   FitParams params;
   FittedScan fitted;
+  KeptNoisePointer sensor_noise;  ///< null: none is kept
   std::shared_ptr<const SLIMSurface> given;
   ProjectionParams wanted;
   CloudProjection projection;

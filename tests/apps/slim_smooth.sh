@@ -135,6 +135,8 @@ rows sphere_out.pcd 44 3000 f4 | awk '{ sum += $7 }
   ($8 - .2) ^ 2 > 1e-5 || ($9 - .2) ^ 2 > 1e-5 || ($10 - .2) ^ 2 > 1e-6 || ($11 - .04) ^ 2 > 1e-6 { print; exit }
   END { if ((sum / 3000 / .00167 - 1) ^ 2 > .01) print "surface variation of", sum / 3000 }' > wrong.txt
 [ ! -s wrong.txt ] || complain "not the curvatures of a sphere: $(cat wrong.txt)"
+expect 0 '' sphere.pcd plain.pcd -normals 1 -variation 0
+header plain.pcd 'FIELDS x y z normal_x normal_y normal_z'
 expect 0 '' sphere.pcd bent.pcd -curvatures 1
 header bent.pcd 'FIELDS x y z k1 k2 mean_curvature gaussian_curvature'
 

@@ -106,6 +106,22 @@ TYPED_TEST(FitClasses, TheLastOfParametersThatExcludeEachOtherCounts) {
   EXPECT_FALSE(fit.getNoiseModel(a, b, c));
   EXPECT_FALSE(fit.getParams().validate());
 
+  SensorNoise sensor;
+  sensor.error[0] = 0.01;
+  sensor.neighbors = 40;
+  sensor.residual = {0.9, 0.9};
+  fit.setSensorNoise(sensor);
+  EXPECT_FALSE(fit.getLocalNoise().has_value());
+  fit.setNoise(0.01);
+  EXPECT_FALSE(fit.getSensorNoise().has_value());
+  fit.setNoiseCorrelation(4);
+  fit.setSensorNoise(sensor);
+  EXPECT_EQ(fit.getNoise(), 0);
+  EXPECT_EQ(fit.getNoiseCorrelation(), 0);
+  EXPECT_FALSE(fit.getParams().validate());
+  fit.setNoiseModel(0.001, 0, 0.002);
+  EXPECT_FALSE(fit.getSensorNoise().has_value());
+
   fit.setViewPoint(1, 2, 3);
   fit.setSensorPositions({Eigen::Vector3d(0, 0, 1)});
   EXPECT_FALSE(fit.getViewPoint(a, b, c));

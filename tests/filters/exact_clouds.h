@@ -28,9 +28,10 @@ PointT exactPoint(const double (&p)[3], const double (&n)[3]) {
 
 /** A sphere about 0, points evenly spread, moved along their normals by Gaussian noise. */
 template <typename PointT>
-typename pcl::PointCloud<PointT>::Ptr sphereCloud(std::size_t count, double radius, double sigma) {
+typename pcl::PointCloud<PointT>::Ptr sphereCloud(std::size_t count, double radius, double sigma,
+                                                  unsigned seed = 11) {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
-  std::mt19937 random(11);
+  std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < count; ++i) {
     double n[3] = {normal(random), normal(random), normal(random)};

@@ -287,6 +287,35 @@ TEST(SLIMProjectionSmoother, BadParametersAreErrors) {
   EXPECT_TRUE(smoother.getError());
 }
 
+TEST(SLIMProjectionSmoother, KeepsTheSensorsNoise) {
+  const auto smoothed = [](SLIMProjectionSmoother<pcl::PointXYZ>& smoother, unsigned seed,
+                           double noise) {
+    smoother.setInputCloud(sphereCloud<pcl::PointXYZ>(20000, 1.0, noise, seed));
+    pcl::PointCloud<pcl::PointXYZ> out;
+    smoother.process(out);
+    EXPECT_FALSE(smoother.getError()) << smoother.getError().message;
+    return rms(out, [](const auto& p) { return std::hypot(p.x, p.y, p.z) - 1.0; });
+  };
+  SLIMProjectionSmoother<pcl::PointXYZ> smoother;
+  smoother.setKeepSensorNoise(true);
+  smoothed(smoother, 1, 0.01);
+  ASSERT_TRUE(smoother.getSensorNoise().has_value());
+  const SensorNoise noise = *smoother.getSensorNoise();
+  EXPECT_NEAR(noise.error[0], 0.01, 0.0005);
+  EXPECT_LT(smoothed(smoother, 2, 0.01), 0.003);
+  EXPECT_EQ(smoother.getStatistics().noise.sensor_check, SensorCheck::kAgrees);
+  EXPECT_EQ(*smoother.getSensorNoise(), noise);
+  smoothed(smoother, 3, 0.02);
+  EXPECT_EQ(smoother.getStatistics().noise.sensor_check, SensorCheck::kDiffers);
+  EXPECT_NEAR(smoother.getSensorNoise()->error[0], 0.02, 0.001);
+
+  SLIMProjectionSmoother<pcl::PointXYZ> other;
+  other.setSensorNoise(noise);
+  smoothed(other, 2, 0.01);
+  EXPECT_EQ(other.getStatistics().noise.sensor_check, SensorCheck::kAgrees);
+  EXPECT_EQ(*other.getSensorNoise(), noise);
+}
+
 TEST(SLIMProjectionSmoother, FarFromTheOriginFloatsSetTheLimit) {
   auto cloud = sphereCloud<pcl::PointXYZ>(8000, 1.0, 0.003);
   for (auto& p : *cloud) p.x += 1000.0f;

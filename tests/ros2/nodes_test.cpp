@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <fstream>
+#include <random>
 #include <regex>
 #include <set>
 
+#include "cloud_work.h"
 #include "pcl_slim/filters/io/point_message.h"
 #include "pcl_slim/filters/table/scan_work.h"
 #include "table/message_clouds.h"
@@ -101,6 +104,37 @@ TEST(RosNodes, TheSmootherPublishesWhatTheLibraryMakes) {
     EXPECT_EQ(made.row_step, made.width * made.point_step);
     EXPECT_EQ(made.fields.size(), expected->points.fields.size());
   }
+}
+
+TEST(RosNodes, TheNoiseOfTheSensorIsKept) {
+  const auto frame = [](unsigned seed) {  // a wall three metres away, noise along the view
+    auto table = sphereTable(driverLayouts()[0], 20000, 100);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, 0.004);
+    for (std::size_t i = 0; i < 20000; ++i) {
+      const double x = 0.01 * static_cast<double>(i % 200) - 1,
+                   y = 0.01 * static_cast<double>(i / 200);
+      pcl_slim_test::store(table, i, "x", x);
+      pcl_slim_test::store(table, i, "y", y);
+      pcl_slim_test::store(table, i, "z",
+                           3 + 0.05 * std::sin(3 * x) * std::cos(2 * y) + noise(random));
+    }
+    return table;
+  };
+  const auto first = frame(1), second = frame(2);
+  const auto made = [](const CloudWork& work, const pcl_slim::PointTable& points) {
+    const auto done = work.process(points, nullptr);
+    EXPECT_TRUE(done) << done.error().message;
+    return done->points.data;
+  };
+  const auto keeping = makeWork(makeSmoothing, {}),
+             measuring = makeWork(makeSmoothing, {{"keep_noise", false}}),
+             given = makeWork(makeSmoothing, {{"noise", 2.0}});
+  ASSERT_TRUE(keeping && measuring && given);
+  EXPECT_EQ(made(**keeping, first), made(**measuring, first));
+  EXPECT_NE(made(**keeping, second), made(**measuring, second));
+  const auto once = made(**given, second);
+  EXPECT_EQ(made(**given, second), once) << "a noise that is given stays";
 }
 
 TEST(RosNodes, NormalsAndSplatsArePublished) {

@@ -88,7 +88,10 @@ PointTable withProjected(const PointTable& points, const CloudProjection& projec
       (indexOf(name) < kPosition ? places : others).push_back(name);
   }
   // Integer coordinates cannot represent the points' new positions.
-  PointTable made = withRealFields(withRealFields(points, places, kFloat64), others, kFloat32);
+  PointTable made =
+      hasRealFields(points, places)
+          ? withRealFields(points, others, kFloat32)
+          : withRealFields(withRealFields(points, places, kFloat64), others, kFloat32);
   std::vector<Target> moved, described;
   for (const std::string& name : places) moved.push_back({indexOf(name), {made, name}});
   for (const std::string& name : others) described.push_back({indexOf(name), {made, name}});

@@ -153,6 +153,17 @@ Error validateTogether(const FitParams& params) {
     return bad("the viewpoint must be finite");
   if (params.noise && params.lambda)
     return bad("noise and lambda are one quantity in two units: give one");
+  if (params.sensor_noise) {
+    if (Error error = params.sensor_noise->validate()) return error;
+  }
+  const bool given = params.lambda || params.noise || params.noise_model || no_noise;
+  if (params.sensor_noise && given) {
+    return bad(
+        "a sensor's noise stands in place of noise, lambda, a noise model, T_MDL and the paper's "
+        "choices: give one");
+  }
+  if (params.sensor_noise && (params.noise_correlation || params.local_noise == true))
+    return bad("a sensor's noise has its own correlation and varies by range: give one of them");
   if (!params.noise_model) return {};
   const auto& [a, b, c] = *params.noise_model;
   const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };

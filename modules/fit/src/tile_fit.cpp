@@ -141,6 +141,8 @@ Error checkTileParams(const FitParams& params) {
   if (std::holds_alternative<NoiseFactor>(params.size))
     return no("a noise factor", "give a penalty, or fit in memory");
   if (params.noise_model) return no("a noise model", "give lambda, or fit in memory");
+  if (params.sensor_noise || params.keep_sensor_noise)
+    return no("a sensor's noise", "leave it, or fit in memory");
   return {};
 }
 

@@ -39,6 +39,10 @@ class SurfaceWork : public CloudWork {
     all.push_back(
         switchParameter("use_normals", "use the points' own normals", &params_.use_normals));
     all.push_back(switchParameter("sensor_at_origin", kSensorAtOrigin, &sensor_at_origin_));
+    all.push_back(switchParameter(
+        "keep_noise",
+        "the noise of a message is that of the one before while its residuals agree with it",
+        &keep_noise_));
     if (move_)
       all.push_back(switchParameter(
           "normals", "add normal_x normal_y normal_z of the surface, and PCL's curvature",
@@ -54,16 +58,42 @@ class SurfaceWork : public CloudWork {
   Result<CloudOutput> process(PointTable points, Progress* progress) const override {
     const Result<ScanTable> scan = scanOf(std::move(points), sensor_at_origin_);
     if (!scan) return scan.error();
-    auto done = move_ ? pcl_slim::smoothScan(*scan, params_, progress)
-                      : pcl_slim::normalsOfScan(*scan, params_, progress);
+    const pcl_slim::ScanWorkParams params = withNoise(scan->points);
+    auto done = move_ ? pcl_slim::smoothScan(*scan, params, progress)
+                      : pcl_slim::normalsOfScan(*scan, params, progress);
     if (!done) return done.error();
+    keepNoise(done->fit.noise.sensor_noise, scan->points);
     return CloudOutput{std::move(done->points), done->is_dense, std::move(done->warning)};
   }
 
  private:
+  /** The parameters, with the noise of the sensor if an earlier message of this size showed it. */
+  pcl_slim::ScanWorkParams withNoise(const PointTable& points) const {
+    pcl_slim::ScanWorkParams params = params_;
+    const pcl_slim::FitParams& fit = params.fit;
+    const bool given = fit.noise || fit.lambda || fit.noise_model || fit.noise_correlation ||
+                       fit.local_noise || fit.hasThreshold() || fit.paper_mode;
+    params.fit.keep_sensor_noise = keep_noise_ && !given;
+    if (params.fit.keep_sensor_noise && sensor_noise_ &&
+        sensor_noise_->hasSize(points.width, points.height))
+      params.fit.sensor_noise = sensor_noise_;
+    return params;
+  }
+
+  void keepNoise(const std::optional<pcl_slim::SensorNoise>& noise,
+                 const PointTable& points) const {
+    if (!noise) return;
+    sensor_noise_ = noise;
+    const bool organised = points.height > 1;
+    sensor_noise_->columns = organised ? points.width : 0;
+    sensor_noise_->rows = organised ? points.height : 0;
+  }
+
   bool move_;
   bool sensor_at_origin_ = true;
+  bool keep_noise_ = true;
   pcl_slim::ScanWorkParams params_;
+  mutable std::optional<pcl_slim::SensorNoise> sensor_noise_;  ///< of the last message
 };
 
 /** Samples the points into discs. */

@@ -276,6 +276,18 @@ void add(const Vector3& origin, const Vector3& direction, double t, int solid, S
 
 }  // namespace
 
+std::vector<Solid> seenFrom(std::vector<Solid> solids, const Vector3& camera, double turn) {
+  const double c = std::cos(turn), s = std::sin(turn);
+  const auto turned = [&](const Vector3& v) {
+    return Vector3{c * v[0] - s * v[2], v[1], s * v[0] + c * v[2]};
+  };
+  for (Solid& solid : solids) {
+    solid.center = turned(subtract(solid.center, camera));
+    solid.axis = turned(solid.axis);
+  }
+  return solids;
+}
+
 SensorScan scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera,
                         std::uint64_t seed) {
   std::mt19937_64 rng(seed);

@@ -63,6 +63,11 @@ struct DepthCamera {
   double mixed = 0;                        ///< share of pixels at depth steps that see both sides
 };
 
+/** \brief Solids in the coordinates of a camera that has moved and then turned about its y axis.
+ * Boxes at which solids end are not turned: of unbounded solids.
+ * \param[in] turn [rad], to the right if positive */
+std::vector<Solid> seenFrom(std::vector<Solid> solids, const Vector3& camera, double turn);
+
 /** \brief What a camera sees of some solids, pixel by pixel. */
 SensorScan scanByCamera(const std::vector<Solid>& solids, const DepthCamera& camera,
                         std::uint64_t seed);

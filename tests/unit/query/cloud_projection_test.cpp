@@ -70,6 +70,27 @@ TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud) {
   }
 }
 
+TEST(CloudProjection, NormalsAreTheSameWithoutSurfaceVariation) {
+  pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
+  const SLIMSurface surface = surfaceOf(cloud.view());
+  // Points of a line beside the sphere: no surfel supports them, planes give them normals.
+  for (int i = 0; i < 40; ++i) cloud.add(kMiddle[0] + 60 + i, kMiddle[1], kMiddle[2]);
+  CloudProjectionParams params;
+  params.projection.planes = true;
+  const auto all = CloudProjection::make(cloud.view(), surface, params);
+  params.projection.variation = false;
+  const auto few = CloudProjection::make(cloud.view(), surface, params);
+  ASSERT_TRUE(all && few);
+  ASSERT_GE(few->unsupported().size(), 30u);
+  for (std::size_t i = 1; i < few->size(); ++i) {
+    if (i == kPoints + 1) continue;  // too far from all others for a plane
+    const ProjectedPoint point = few->point(i), other = all->point(i);
+    EXPECT_EQ(point.position, other.position) << i;
+    for (std::size_t a = 0; a < 3; ++a) EXPECT_FLOAT_EQ(point.normal[a], other.normal[a]) << i;
+    EXPECT_GE(other.surface_variation, 0) << i;
+  }
+}
+
 TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores) {
   const pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
   const SLIMSurface surface = surfaceOf(cloud.view());

@@ -31,7 +31,7 @@ using FrameNumbers = std::shared_ptr<const std::vector<std::uint32_t>>;
  * parameters that exclude each other the last one set counts: its setter unsets the others, and
  * their getters say so. These are the six that set how fine the surface is (penalty, MDL threshold,
  * target error, target distance, surfels, noise factor), the noise (its level, the noise, a noise
- * model; local noise and a noise model), and where the cloud was seen from (viewpoint, sensor
+ * model, a sensor's noise; local noise and the last two; correlation and a sensor's noise), and where the cloud was seen from (viewpoint, sensor
  * positions). No other setter changes another parameter. Values are checked when fit() runs.
  */
 class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun, public SLIMFitSetters {

@@ -32,7 +32,6 @@ class SLIMFitSetters {
   PCL_SLIM_PARAMETER(bool, KeepOutliers, FitParams::keep_outliers)
   PCL_SLIM_PARAMETER(bool, Robust, FitParams::robust)
   PCL_SLIM_PARAMETER(bool, Sides, FitParams::sides)
-  PCL_SLIM_PARAMETER(double, NoiseCorrelation, FitParams::noise_correlation)
   PCL_SLIM_PARAMETER(bool, NormalsAsData, FitParams::normals_as_data)
   PCL_SLIM_PARAMETER(double, NormalError, FitParams::normal_error)
   PCL_SLIM_PARAMETER(bool, Trimming, FitParams::trim)
@@ -40,7 +39,17 @@ class SLIMFitSetters {
   PCL_SLIM_PARAMETER(bool, Orientation, FitParams::orient)
   PCL_SLIM_PARAMETER(bool, PaperMode, FitParams::paper_mode)
 
-  // Noise: of these four the last one set counts, and unsets those that it excludes.
+  // Noise: of these the last one set counts, and unsets those that it excludes.
+
+  /** \brief Number of points that share an error: FitParams::noise_correlation; 0 (default):
+   * measured. */
+  void setNoiseCorrelation(double points) {
+    if (points != 0) params_.sensor_noise.reset();
+    setParameter(params_, &FitParams::noise_correlation, points);
+  }
+  double getNoiseCorrelation() const {
+    return getParameter(params_, &FitParams::noise_correlation);
+  }
 
   /** \brief Variance of the noise, as a share of the squared box diagonal: FitParams::lambda; 0
    * (default): measured. */
@@ -51,9 +60,11 @@ class SLIMFitSetters {
   void setNoise(double sigma) { setNoiseBy(&FitParams::noise, sigma); }
   double getNoise() const { return getParameter(params_, &FitParams::noise); }
   /** \brief Whether the noise is measured along the scan, not once for all of it:
-   * FitParams::local_noise; not set (default): decided by the data. True excludes a noise model. */
+   * FitParams::local_noise; not set (default): decided by the data. True excludes a noise model and
+   * a sensor's noise. */
   void setLocalNoise(std::optional<bool> local) {
     if (local.value_or(false)) params_.noise_model.reset();
+    if (local.value_or(false)) params_.sensor_noise.reset();
     params_.local_noise = local;
   }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
@@ -63,6 +74,7 @@ class SLIMFitSetters {
     params_.lambda.reset();
     params_.noise.reset();
     if (params_.local_noise.value_or(false)) params_.local_noise.reset();
+    params_.sensor_noise.reset();
     params_.noise_model = {a, b, c};
   }
   /** \brief \return whether a model is set, and then writes it. */
@@ -73,13 +85,36 @@ class SLIMFitSetters {
   /** \brief Returns to a measured noise. */
   void clearNoiseModel() { params_.noise_model.reset(); }
 
+  /** \brief The noise of the sensor, as an earlier frame showed it: FitParams::sensor_noise. It is
+   * used where the cloud agrees with it, else the noise is measured. */
+  void setSensorNoise(const SensorNoise& noise) {
+    params_.lambda.reset();
+    params_.noise.reset();
+    params_.noise_model.reset();
+    params_.noise_correlation.reset();
+    if (params_.local_noise.value_or(false)) params_.local_noise.reset();
+    params_.sensor_noise = noise;
+  }
+  /** \brief The noise set or, with setKeepSensorNoise(), that of the last run; none: the next run
+   * measures it. */
+  const std::optional<SensorNoise>& getSensorNoise() const { return params_.sensor_noise; }
+  /** \brief Returns to a measured noise. */
+  void clearSensorNoise() { params_.sensor_noise.reset(); }
+  /** \brief Whether each run keeps the noise of the sensor for the next one, for the frames of one
+   * sensor (default false): getSensorNoise() returns it after a run. It is measured in the first
+   * run, and again where a cloud does not agree with it. */
+  void setKeepSensorNoise(bool keep) { params_.keep_sensor_noise = keep; }
+  bool getKeepSensorNoise() const { return params_.keep_sensor_noise; }
+
  private:
-  /** \brief Sets noise or lambda; a value unsets the other and the noise model. */
+  /** \brief Sets noise or lambda; a value unsets the other, the noise model and the sensor's noise.
+   */
   void setNoiseBy(std::optional<double> FitParams::*member, double value) {
     if (value != 0) {
       params_.lambda.reset();
       params_.noise.reset();
       params_.noise_model.reset();
+      params_.sensor_noise.reset();
     }
     setParameter(params_, member, value);
   }

@@ -162,13 +162,17 @@ class PlaneFinder {
 }  // namespace
 
 NeighborPlanes findNeighborPlanes(const PointStore& store, std::size_t k, bool variation,
-                                  int threads) {
+                                  int threads, const std::vector<std::uint32_t>* only) {
   threads = resolveThreads(threads);
+  std::vector<char> wanted(store.numBlocks(), only == nullptr ? 1 : 0);
+  for (std::size_t i = 0; only != nullptr && i < only->size(); ++i)
+    wanted[(*only)[i] / PointStore::kBlock] = 1;
   NeighborPlanes planes;
   planes.normals.resize(3 * store.size());
   if (variation) planes.variation.resize(store.size());
   std::vector<PlaneFinder> finders(static_cast<std::size_t>(threads), PlaneFinder(store, k));
   parallelFor(store.numBlocks(), threads, 64, [&](std::size_t block, int thread) {
+    if (wanted[block] == 0) return;
     const std::size_t begin = block * PointStore::kBlock;
     finders[static_cast<std::size_t>(thread)].find(
         block, planes.normals.data() + 3 * begin,

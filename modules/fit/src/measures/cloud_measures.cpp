@@ -252,26 +252,54 @@ void measureNormals(const PointStore& store, const FitParams& params, int thread
   measures.statistics.normal_error = measures.normal_error;
 }
 
-}  // namespace
-
-CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
-                           const FitConstants& constants, int threads) {
-  const NoiseConstants& noise = constants.noise;
+/** Measures the noise. */
+void measureErrors(const PointStore& store, const FitParams& params, const NoiseConstants& noise,
+                   int threads, CloudMeasures& measures) {
   const bool by_residuals = measuresResiduals(params);
   NoiseLevel residual;
   if (by_residuals || (params.local_noise == true && !params.noise_model))
     residual = residualNoise(store, params, noise, threads);
-  CloudMeasures measures;
-  measures.min_dot = minDot(store, params, constants);
   if (!params.noise_model) measures.lambda = noiseVariance(store, params, residual, threads);
   measures.correlation = params.noise_correlation.value_or(by_residuals ? residual.dependence : 1);
   measureProfile(store, params, residual, noise, threads, measures);
-  measures.noise = measures.lambda;
+  NoiseStatistics& statistics = measures.statistics;
   if (by_residuals)
-    measures.statistics = statisticsOf(residual, store.diagonal());
+    statistics = statisticsOf(residual, store.diagonal());
   else
-    measures.statistics.correlation = measures.correlation;
-  measures.statistics.patches = residual.patches + measures.noise_profile.size();
+    statistics.correlation = measures.correlation;
+  statistics.patches = residual.patches + measures.noise_profile.size();
+  if (by_residuals && (params.keep_sensor_noise || params.sensor_noise))
+    statistics.sensor_noise = describeSensor(store, params, residual, measures, noise, threads);
+}
+
+/** Takes the noise of the frame's sensor instead, if there is one that the frame agrees with.
+ * \param[out] check what became of it */
+bool takeSensorNoise(const PointStore& store, const FitParams& params, const NoiseConstants& noise,
+                     int threads, NoiseStatistics& check, CloudMeasures& measures) {
+  std::optional<SensedNoise> sensed = noiseOfSensor(store, params, noise, threads, check);
+  if (!sensed) return false;
+  measures.lambda = sensed->level.variance;
+  measures.correlation = sensed->level.dependence;
+  if (!sensed->profile.empty())
+    takeVariances(std::move(sensed->profile), noise.least_ratio, measures);
+  measures.statistics = statisticsOf(sensed->level, store.diagonal());
+  measures.statistics.patches = sensed->level.patches;
+  measures.statistics.sensor_noise = params.sensor_noise;
+  return true;
+}
+
+}  // namespace
+
+CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
+                           const FitConstants& constants, int threads) {
+  CloudMeasures measures;
+  measures.min_dot = minDot(store, params, constants);
+  NoiseStatistics check;
+  if (!takeSensorNoise(store, params, constants.noise, threads, check, measures))
+    measureErrors(store, params, constants.noise, threads, measures);
+  measures.noise = measures.lambda;
+  measures.statistics.sensor_check = check.sensor_check;
+  measures.statistics.sensor_ratio = check.sensor_ratio;
   measures.statistics.varies = !measures.noise_profile.empty();
   if (params.normals_as_data) measureNormals(store, params, threads, measures);
   return measures;

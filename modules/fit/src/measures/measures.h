@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "fit_constants.h"
 #include "fit_plan.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
 
@@ -19,6 +21,25 @@ CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
 
 /** \brief An error where normals are to be data and there are none. */
 Error checkNormals(const PointStore& store, const FitParams& params);
+
+/** \brief The noise of a frame by its sensor's. */
+struct SensedNoise {
+  NoiseLevel level;
+  std::vector<float> profile;  ///< variances of runs of points; empty: the level's
+};
+
+/** \brief Compares a frame with FitParams::sensor_noise (docs/theory.md, "A sensor's next frame").
+ * \param[in,out] statistics get the result of the check \return nothing where none is given or the
+ * frame does not agree with it. O(n + places). */
+std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParams& params,
+                                         const NoiseConstants& constants, int threads,
+                                         NoiseStatistics& statistics);
+
+/** \brief The noise of a sensor by one of its frames. \param[in] level, measures of the frame, as
+ * measured \return nothing for merged frames and for exact points. O(n + places). */
+std::optional<SensorNoise> describeSensor(const PointStore& store, const FitParams& params,
+                                          const NoiseLevel& level, const CloudMeasures& measures,
+                                          const NoiseConstants& constants, int threads);
 
 /** \brief Whether normals are measured apart from the points (docs/theory.md, "Normals as data").
  */

@@ -389,7 +389,11 @@ CloudSides sidesBeforeCover(const PointStore& store, const FitParams& params,
                             const FitConstants& constants, int threads, CloudMeasures measures) {
   // Least share of places of all kinds from which points near them get sides.
   constexpr double kLeastNearSheets = 0.04;
-  const SideTask task{store, params, constants, threads};
+  // Sides change the noise, and a sensor's was measured without them.
+  FitParams anew = params;
+  anew.sensor_noise.reset();
+  anew.keep_sensor_noise = false;
+  const SideTask task{store, anew, constants, threads};
   CloudSides unsided;
   unsided.measures = std::move(measures);
   if (!mayNeedSides(task, unsided.measures)) return unsided;

@@ -51,16 +51,24 @@ Result<PointStore> CloudProjection::projectedStore(const PointStore& first,
 void CloudProjection::addPlanes(const PointStore& first) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = projection_.position.size();
-  variation_.assign(count, kNan);
+  const bool variation = params_.projection.variation;
+  if (variation) variation_.assign(count, kNan);
+  const auto& supported = projection_.supported;
+  if (!variation && std::find(supported.begin(), supported.end(), 0) == supported.end()) return;
   std::vector<std::uint32_t> place;
   const Result<PointStore> store = projectedStore(first, place);
   if (!store || store->size() < kLeastPoints) return;
+  std::vector<std::uint32_t> unsupported;
+  for (std::size_t s = 0; s < count; ++s) {
+    if (supported[s] == 0 && place[s] != PointStore::kSkipped) unsupported.push_back(place[s]);
+  }
   const NeighborPlanes planes =
-      findNeighborPlanes(*store, kVariationNeighbors, true, params_.projection.threads);
+      findNeighborPlanes(*store, kVariationNeighbors, variation, params_.projection.threads,
+                         variation ? nullptr : &unsupported);
   for (std::size_t s = 0; s < count; ++s) {
     if (place[s] == PointStore::kSkipped) continue;
-    variation_[s] = planes.variation[place[s]];
-    if (projection_.supported[s] != 0) continue;
+    if (variation) variation_[s] = planes.variation[place[s]];
+    if (supported[s] != 0) continue;
     std::copy_n(planes.normals.begin() + 3 * static_cast<std::ptrdiff_t>(place[s]), 3,
                 projection_.normal[s].begin());
   }

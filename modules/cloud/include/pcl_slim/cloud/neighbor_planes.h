@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -24,9 +25,11 @@ struct NeighborPlanes {
  * Neighbours are those in a ball whose radius follows the local density, for 16 points of Morton
  * order together; where it has fewer than .6 k or more than 1.7 k, the k nearest. Two points or
  * fewer, and points of one line, give some normal perpendicular to the line; a single position z.
- * \param[in] variation false leaves that empty. O(points k). The same for any number of threads. */
+ * \param[in] variation false leaves that empty. O(points k). The same for any number of threads.
+ * \param[in] only stored points whose planes are wanted, those of others may be 0; null: all */
 PCL_SLIM_EXPORT NeighborPlanes findNeighborPlanes(const PointStore& store, std::size_t k,
-                                                  bool variation, int threads);
+                                                  bool variation, int threads,
+                                                  const std::vector<std::uint32_t>* only = nullptr);
 
 /** \brief The surface variation of the kVariationNeighbors points around each selected point of a
  * cloud: what pcl_slim writes into PCL's field curvature. NaN at points that are not finite or too

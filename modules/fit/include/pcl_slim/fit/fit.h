@@ -12,6 +12,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
+#include "pcl_slim/fit/sensor_noise.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -80,6 +81,11 @@ struct PCL_SLIM_EXPORT FitParams {
   /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world
   /// units; needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
+  /// noise of the sensor, as an earlier frame showed it: it is used if this frame's residuals agree
+  /// with it, else the noise is measured
+  std::optional<SensorNoise> sensor_noise;
+  /// return NoiseStatistics::sensor_noise for the next frames, if the noise is measured
+  bool keep_sensor_noise = false;
   /// fit positions and normals together, by their errors; needs normals measured independently of
   /// the points, as by photometric stereo or a simulation
   bool normals_as_data = false;
@@ -110,6 +116,14 @@ struct PCL_SLIM_EXPORT FitParams {
   Error validate() const;
 };
 
+/** \brief What became of FitParams::sensor_noise. */
+enum class SensorCheck : unsigned char {
+  kNone,     ///< none was given
+  kAgrees,   ///< the frame's residuals agree with it: it was used
+  kDiffers,  ///< they do not: the noise was measured
+  kNotSeen   ///< too few patches show the residuals, or frames are merged: the noise was measured
+};
+
 /** \brief What was measured of a cloud's errors. */
 struct NoiseStatistics {
   std::uint64_t patches = 0;     ///< of points, on which noise was measured
@@ -125,6 +139,12 @@ struct NoiseStatistics {
   double normal_error = 0;      ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or the points are too few to show it
   bool normals_follow_points = false;
+  SensorCheck sensor_check = SensorCheck::kNone;
+  /// RMS residual over that of the sensor's noise given, of the patches that differ most; 0: unknown
+  double sensor_ratio = 0;
+  /// for the next frames, with FitParams::keep_sensor_noise: the one given where it was used, else
+  /// the one measured; none where noise was given or frames are merged
+  std::optional<SensorNoise> sensor_noise;
 };
 
 /** \brief How points and surface got their sides. */

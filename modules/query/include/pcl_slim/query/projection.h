@@ -23,6 +23,8 @@ struct ProjectionParams {
   /// of a cloud's projection, also the plane through each projected point's neighbours: surface
   /// variation, and normals of points without support
   bool planes = false;
+  /// with planes: surface variation of all points; false: the planes of points without support alone
+  bool variation = true;
   bool sharp_features =
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
   /// > 0: the points are places, not measurements of the surface: leaves up to this share of a
