@@ -11,28 +11,20 @@
 #include "pcl_slim/cloud/noise_level.h"
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
-namespace {
-
-constexpr std::size_t kPointsPerRun = 128;  ///< number of points of one entry of a noise profile
-constexpr std::size_t kMostRuns = 8192;     ///< largest number of entries of a profile
-
-/** The number of entries of a profile, one for each run of points along the Morton curve. */
-std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
+std::size_t profileRuns(const PointStore& store, const NoiseConstants& constants) {
+  constexpr std::size_t kPointsPerRun = 128, kMostRuns = 8192;
   return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
                     kMostRuns);
 }
-
-}  // namespace
 
 std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                                        const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0) return {};
   threads = resolveThreads(threads);
-  ThinnedPlaces places(store, runsOf(store, constants));
+  ThinnedPlaces places(store, profileRuns(store, constants));
   std::vector<double> variances =
       measureScale(places, level.neighbors, constants, threads).variances;
   std::vector<float> profile = windowedMeans(variances, constants, threads);
@@ -141,7 +133,7 @@ std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& 
                                      const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   threads = resolveThreads(threads);
-  ThinnedPlaces places(store, runsOf(store, constants));
+  ThinnedPlaces places(store, profileRuns(store, constants));
   const PatchScale scale = measureScale(places, level.neighbors, constants, threads);
   const PatchScale wider = measureScale(places, 2 * level.neighbors, constants, threads, &scale);
   const NoiseField field = fieldOf(scale, wider, store.size(), level.variance, constants, threads);
@@ -154,25 +146,6 @@ std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& 
     ratios[s] = static_cast<float>(std::exp(share * place.log));
   }
   return ratios;
-}
-
-std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
-                                 const NoiseConstants& constants, int threads) {
-  threads = resolveThreads(threads);
-  const std::size_t k = smallestPatch(store, constants, threads);
-  const std::size_t stride = patchStride(k, constants);
-  const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    thread_local Patch patch;
-    patchAbout(store, search, sample, k / stride, patch);
-    const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
-    const Vector3 ray = subtract(store.position(sample), sensor);
-    const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
-    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
-    const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
-    return sigma * sigma * along * along;
-  };
-  const std::size_t runs = runsOf(store, constants);
-  return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
 }
 
 }  // namespace pcl_slim::detail

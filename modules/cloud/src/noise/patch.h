@@ -268,6 +268,9 @@ PatchScale measureScale(const PointStore& store, std::size_t k, const NoiseConst
  */
 double levelOf(const PatchScale& scale, const NoiseConstants& constants);
 
+/** \brief Number of entries of a noise profile: one for 128 points, 100 to 8192. */
+std::size_t profileRuns(const PointStore& store, const NoiseConstants& constants);
+
 /** \brief Number of points that share an error, measured on a scale; 1: white noise. */
 double correlationOf(const PatchScale& scale, const NoiseConstants& constants);
 

@@ -14,10 +14,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kTask = 16;           ///< number of runs of a task
-constexpr std::size_t kPlaneStride = 4;     ///< every fourth point makes planes
-constexpr std::size_t kPointsPerRun = 128;  ///< number of points of a run
-constexpr std::size_t kLeastRuns = 100, kMostRuns = 8192;
+constexpr std::size_t kTask = 16;         ///< number of runs of a task
+constexpr std::size_t kPlaneStride = 4;   ///< every fourth point makes planes
 constexpr double kThin = 0.2;             ///< thickness over width of a plane with little noise
 constexpr std::ptrdiff_t kMostWidth = 8;  ///< largest number of runs to either side of a plane
 
@@ -78,18 +76,15 @@ Eigen::Vector3d normalAt(const std::vector<RunSums>& sums, std::size_t run) {
 
 }  // namespace
 
-std::vector<SensorRay> raysToRuns(const PointStore& store, const Vector3& sensor, std::size_t runs,
-                                  int threads) {
+std::vector<SensorRay> raysToRuns(const PointStore& store, const std::optional<Vector3>& sensor,
+                                  std::size_t runs, const NoiseConstants& constants, int threads) {
   threads = resolveThreads(threads);
-  if (runs == 0) {
-    const std::size_t least = std::min(kLeastRuns, store.size());
-    runs = std::clamp(store.size() / kPointsPerRun, least, kMostRuns);
-  }
+  if (runs == 0) runs = profileRuns(store, constants);
   const std::vector<RunSums> sums = sumRuns(store, runs, threads);
   std::vector<SensorRay> rays(runs);
   parallelFor(runs, threads, kTask, [&](std::size_t r, int) {
     const std::size_t middle = (2 * r + 1) * store.size() / (2 * runs);
-    const Vector3 ray = subtract(store.position(middle), sensor);
+    const Vector3 ray = subtract(store.position(middle), sensor ? *sensor : store.sensor(middle));
     const double range = length(ray);
     const Eigen::Vector3d normal = normalAt(sums, r);
     const double along = std::abs(dot(ray, {normal[0], normal[1], normal[2]}));

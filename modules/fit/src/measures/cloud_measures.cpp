@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/detail/noise.h"
+#include "pcl_slim/cloud/detail/patch_residuals.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/surface/polynomial.h"
@@ -171,16 +172,16 @@ NoiseLevel residualNoise(const PointStore& store, const FitParams& params,
 /** The noise model's variances for runs of points, in local units. */
 std::vector<float> modelProfile(const PointStore& store, const FitParams& params,
                                 const NoiseConstants& constants, int threads) {
-  RangeError error;
+  std::optional<Vector3> sensor;
   const double scale = store.scale();
-  error.own_sensors = store.hasSensors() && !params.viewpoint;
-  for (std::size_t a = 0; a < 3 && params.viewpoint; ++a)
-    error.sensor[a] = ((*params.viewpoint)[a] - store.origin()[a]) / scale;
+  if (params.viewpoint) {
+    sensor.emplace();
+    for (std::size_t a = 0; a < 3; ++a)
+      (*sensor)[a] = ((*params.viewpoint)[a] - store.origin()[a]) / scale;
+  }
   const auto& [a, b, c] = *params.noise_model;
-  error.a = a / scale;
-  error.b = b;
-  error.c = c * scale;
-  return modelledNoise(store, error, constants, threads);
+  return rangeNoise(raysToRuns(store, sensor, 0, constants, threads), {a / scale, b, c * scale},
+                    constants, threads);
 }
 
 /** Sets lambda to a profile's mean and the profile to ratios of it. */

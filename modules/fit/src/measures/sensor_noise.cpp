@@ -25,12 +25,12 @@ constexpr double kLeastCosine = 0.2;
 
 /** The rays from the place that the cloud was seen from; none where it is not known. */
 std::vector<SensorRay> raysOf(const PointStore& store, const FitParams& params, std::size_t runs,
-                              int threads) {
+                              const NoiseConstants& constants, int threads) {
   if (!params.viewpoint) return {};
   Vector3 sensor;
   for (std::size_t a = 0; a < 3; ++a)
     sensor[a] = ((*params.viewpoint)[a] - store.origin()[a]) / store.scale();
-  return raysToRuns(store, sensor, runs, threads);
+  return raysToRuns(store, sensor, runs, constants, threads);
 }
 
 double errorAt(const std::array<double, 3>& error, double z) {
@@ -104,8 +104,8 @@ struct Agreement {
 };
 
 // RMS residuals agree if they differ by no more than this, beyond twice their standard error. A fit
-// with too small a noise follows it (sigma x .85: position error + 14 to 30 %), one with too large a
-// noise loses little (x 1.2: -6 to + 3 %).
+// with too small a noise follows it (sigma x .85 in white frames of a room: position error + 4 to
+// 32 %), one with too large a noise loses little (x 1.2: nothing there).
 constexpr double kMostAbove = 0.06;  ///< of a frame with more noise [its residual]
 constexpr double kMostBelow = 0.15;  ///< of a frame with less noise [the sensor's residual]
 /// The same of narrow patches, whose residual depends on the range where noise or steps fill them.
@@ -261,17 +261,6 @@ void measureByRange(const std::vector<SensorRay>& rays, const Places& places,
   noise.along_rays = true;
 }
 
-constexpr double kUnevenRatio = 2;    ///< of a run's variance to the level that is no chance
-constexpr double kUnevenShare = 0.1;  ///< share of such runs from which the noise is uneven
-
-/** Whether so much of a frame has so much more noise than its mean that a fit takes the noise for
- * detail. */
-bool isUneven(const std::vector<float>& variances, double mean) {
-  const auto noisy = std::count_if(variances.begin(), variances.end(),
-                                   [&](float variance) { return variance > kUnevenRatio * mean; });
-  return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(variances.size());
-}
-
 NoiseLevel levelOf(const SensorNoise& noise, const PointStore& store, double variance,
                    double radius) {
   NoiseLevel level;
@@ -300,7 +289,7 @@ std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParam
   if (store.hasSensors() || store.hasFrameNumbers()) return {};
   if (noise.along_rays && !params.viewpoint) return {};
   const std::vector<SensorRay> rays =
-      noise.along_rays ? raysOf(store, params, 0, threads) : std::vector<SensorRay>();
+      noise.along_rays ? raysOf(store, params, 0, constants, threads) : std::vector<SensorRay>();
   const Agreement agreement = compareWith(noise, store, rays, constants, threads);
   statistics.sensor_check = agreement.check;
   statistics.sensor_ratio = agreement.ratio;
@@ -311,8 +300,7 @@ std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParam
     sensed.profile = rangeNoise(rays, localError(noise.error, store.scale()), constants, threads);
   const double variance = noise.along_rays ? levelOf(sensed.profile, constants) : plain * plain;
   sensed.level = levelOf(noise, store, variance, agreement.radius);
-  if (params.local_noise == false || !(noise.dependence > 1 || isUneven(sensed.profile, variance)))
-    sensed.profile.clear();
+  if (params.local_noise == false) sensed.profile.clear();
   return sensed;
 }
 
@@ -331,7 +319,8 @@ std::optional<SensorNoise> describeSensor(const PointStore& store, const FitPara
   noise.line = level.line;
   noise.neighbors = level.neighbors;
   double radius = 0;
-  const std::vector<SensorRay> rays = raysOf(store, params, measures.noise_profile.size(), threads);
+  const std::vector<SensorRay> rays =
+      raysOf(store, params, measures.noise_profile.size(), constants, threads);
   const Places places =
       residualsAtPlaces(store, kPatchSizes, kMeasuredPlaces, rays, constants, threads, radius);
   if (!rays.empty()) measureByRange(rays, places, measures, scale, constants, threads, noise);

@@ -6,7 +6,6 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/export.h"
-#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -146,19 +145,6 @@ PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
 PCL_SLIM_EXPORT std::vector<float> measureNoiseField(const PointStore& store,
                                                      const NoiseLevel& level,
                                                      const NoiseConstants& constants, int threads);
-
-/** \brief RMS error along the ray from a sensor: a + b z + c z^2 at distance z [local length]. */
-struct RangeError {
-  Vector3 sensor{};
-  bool own_sensors = false;  ///< use the sensor that the store has for each point
-  double a = 0, b = 0, c = 0;
-};
-
-/** \brief Noise variance across the surface that a range error causes: its component along the
- * normals of small patches. \return one variance [squared local length] for each run of points
- * along the Morton curve. */
-PCL_SLIM_EXPORT std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
-                                                 const NoiseConstants& constants, int threads);
 
 /** \brief The normal bound: the largest cosine of two normals that count as normals of different
  * sheets.

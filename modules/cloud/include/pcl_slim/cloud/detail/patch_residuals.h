@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "pcl_slim/cloud/detail/noise.h"
@@ -20,10 +21,13 @@ struct SensorRay {
 
 /** \brief The rays to runs of points along the Morton curve.
  * Normals are those of planes through every fourth point of a run and, where these are thick, of
- * the runs around: O(n), without a search for neighbours. \param[in] sensor local position
- * \param[in] runs their number; 0: one for 128 points, 100 to 8192 */
-PCL_SLIM_EXPORT std::vector<SensorRay> raysToRuns(const PointStore& store, const Vector3& sensor,
-                                                  std::size_t runs, int threads);
+ * the runs around: O(n), without a search for neighbours.
+ * \param[in] sensor local position; none: each point's own, which the store must have
+ * \param[in] runs their number; 0: as many as a noise profile has */
+PCL_SLIM_EXPORT std::vector<SensorRay> raysToRuns(const PointStore& store,
+                                                  const std::optional<Vector3>& sensor,
+                                                  std::size_t runs, const NoiseConstants& constants,
+                                                  int threads);
 
 /** \brief Residual variances of cubics on a narrow and a wide patch at a place. */
 struct PlaceResiduals {
