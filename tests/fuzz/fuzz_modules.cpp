@@ -39,7 +39,7 @@ struct FuzzCloud {
   FuzzCloud(const std::uint8_t* bytes, std::size_t size, bool normals) {
     const std::size_t row = normals ? 6 : 3;
     values.resize(std::min(size / (4 * row), kMostPoints) * row);
-    std::memcpy(values.data(), bytes, 4 * values.size());
+    if (!values.empty()) std::memcpy(values.data(), bytes, 4 * values.size());
     view.size = values.size() / row;
     bgr.assign(3 * view.size, std::uint8_t{90});
     view.xyz = values.data();

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/core/vector3.h"
 #include "support/clouds.h"
 
 namespace {
@@ -37,6 +38,27 @@ TEST(ThinPlaces, TwoSheetsAreNotOneRoughSheet) {
     const detail::ThinPlaces one =
         detail::findThinPlaces(plates(0, 1.84 / std::sqrt(2), seed), sides, noise, 1);
     EXPECT_LT(one.share, 0.035) << seed;
+  }
+}
+
+/** A sphere of radius 1 with bumps of .1. */
+Cloud bumpySphere(double noise) {
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> gauss;
+  Cloud cloud;
+  for (int i = 0; i < 20000; ++i) {
+    Vector3 d = normalized({gauss(rng), gauss(rng), gauss(rng)});
+    const double radius = 1 + 0.1 * std::sin(6 * d[0]) * std::sin(6 * d[1]) + noise * gauss(rng);
+    cloud.add(radius * d[0], radius * d[1], radius * d[2]);
+  }
+  return cloud;
+}
+
+/** Heights of a bump's top and of its slopes are two clusters. */
+TEST(ThinPlaces, BumpsAreOneSheet) {
+  for (const double noise : {0.0, 0.002}) {
+    const detail::ThinPlaces found = detail::findThinPlaces(storeOf(bumpySphere(noise)), {}, {}, 2);
+    EXPECT_LT(found.share + found.facing + found.near, 0.04) << noise;
   }
 }
 
