@@ -30,7 +30,7 @@ convert tutorial/surface.png "${png[@]}" "$out/tutorial_surface.png"
 render tutorial/surface.slim hero -size 420x520 -save_camera hero.txt
 render tutorial/discs.pcd hero_points -size 420x520 -camera hero.txt -lighting 0 -filtered 0
 render tutorial/surface.slim hero_curvature -size 520x520 -mode mean -bar -unit m
-sheet demo.png 3 '200,000 noisy points' hero_points 'a surface of 6,829 patches' hero 'its mean curvature' hero_curvature
+sheet demo.png 3 '200,000 noisy points' hero_points 'a surface of 6,484 patches' hero 'its mean curvature' hero_curvature
 for name in levels_and_sizes tutorial_smoothing tutorial_curvature tutorial_splats; do
   convert "tutorial/$name.png" "${png[@]}" "$out/$name.png"
 done
