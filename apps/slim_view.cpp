@@ -23,6 +23,7 @@ constexpr const char* kProgram = "pcl_slim_view";
 
 struct Settings {
   std::string input, screenshot;
+  std::vector<std::string> further;  ///< more frames of a sensor, after the input
   ViewerSettings viewer;
   FitJob fit;
   double min_component = kLeastComponentPoints;
@@ -32,7 +33,9 @@ struct Settings {
 OptionTable declareOptions(Settings& s) {
   OptionTable table = programOptions(kProgram);
   table.input("IN.pcd|.ply|.vtp|.slim", &s.input,
-              "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan");
+              "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan; several "
+              "scans: the frames of a sensor, one after the other");
+  table.furtherInputs(&s.further);
   s.viewer.view.declareSize(table);
   std::vector<std::string> modes = displayModeNames();
   modes.insert(modes.begin(), "auto");
@@ -123,6 +126,25 @@ Error showScan(const Settings& s, const CloudFile& cloud, Console& console, Repo
   return viewer.saveScreenshot(s.screenshot);
 }
 
+/** \brief A window for the frames of a sensor; a picture shows the last one. */
+Exit showFrames(const Settings& s, Console& console, Report& report) {
+  std::vector<std::string> files = s.further;
+  files.insert(files.begin(), s.input);
+  FrameSequence frames(std::move(files), s.fit, s.min_component, s.viewer.isUncertainty(), console,
+                       report);
+  if (Error error = frames.start(0)) return Exit::usage(error);
+  if (Error error = checkDisplay()) return error;
+  Viewer viewer(s.viewer, s.screenshot.empty());
+  if (!s.screenshot.empty()) {
+    if (Error error = viewer.showLast(frames)) return error;
+    return viewer.saveScreenshot(s.screenshot);
+  }
+  viewer.scene().setPoints(frames.cloud().view(s.fit.use_normals),
+                           s.fit.color ? colorsOf(frames.cloud()) : ColorView());
+  viewer.begin();
+  return viewer.runFrames(frames);
+}
+
 Error showModel(const Settings& s, Console& console, Model& model) {
   Viewer viewer(s.viewer, s.screenshot.empty());
   if (model.is_splats) {
@@ -144,6 +166,10 @@ Error showModel(const Settings& s, Console& console, Model& model) {
 
 Exit run(const OptionTable& options, Settings& s) {
   Console console(s.quiet);
+  if (!s.further.empty()) {
+    Report report(options, s.input, s.fit.params.threads);
+    return showFrames(s, console, report);
+  }
   Result<ModelFile> file = readModelFile(s.input, s.fit.input.file);
   if (!file) return Exit::usage(file.error());
   if (!holdsModel(*file)) {

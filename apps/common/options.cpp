@@ -306,6 +306,10 @@ std::string OptionTable::takePositional(const std::string& word, const Option* b
     *positionals_[next++].target = word;
     return "";
   }
+  if (further_ != nullptr && !bare) {
+    further_->push_back(word);
+    return "";
+  }
   if (bare) return "option -" + bare->name + " got '" + word + "'; give 0 or 1";
   return "unexpected argument '" + word + "'; " +
          (names_ != nullptr ? "give -out DIR for several inputs, or " : "") + "see " + program_ +

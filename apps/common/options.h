@@ -73,6 +73,9 @@ class OptionTable {
   void input(const std::string& name, std::string* target, const std::string& help) {
     positionals_.push_back({name, help, target, FileUse::kRead});
   }
+  /** \brief Lets any number of arguments without a dash follow the last one. Of programs without
+   * -out. */
+  void furtherInputs(std::vector<std::string>* targets) { further_ = targets; }
   /** \brief One that is the file to write. \param[in] name ends in its formats: "OUT.pcd|.ply"
    * \param[in] usual extension of an output without a name: ".ply"; empty: its input's */
   void output(const std::string& name, std::string* target, const std::string& help,
@@ -221,6 +224,7 @@ class OptionTable {
   std::vector<Option> options_;
   std::vector<std::vector<std::string>> exclusive_;
   std::vector<std::pair<int, std::string>> statuses_;
+  std::vector<std::string>* further_ = nullptr;  ///< furtherInputs()
   std::vector<std::string> formats_, inputs_, common_options_;
   std::string usual_;
   std::string* output_ = nullptr;

@@ -53,6 +53,8 @@ std::vector<Key> makeTable() {
       {"e", Command::kSides, "e", "sides: automatic, front, both"},
       {"o", Command::kParallel, "o", "parallel or perspective projection"},
       {"r", Command::kReset, "r", "the whole object"},
+      {"space", Command::kPlay, "space, .", "frames of a sensor: pause or go on, the next one"},
+      {"period", Command::kNextFrame, ".", ""},
       {"f", Command::kFocus, "f", "turn about the point under the mouse"},
       {"c", Command::kSaveCamera, "c, C", "save, load the camera"},
       {"C", Command::kLoadCamera, "C", ""},

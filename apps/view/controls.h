@@ -66,6 +66,8 @@ enum class Command : unsigned char {
   kSides,
   kParallel,
   kReset,
+  kPlay,
+  kNextFrame,
   kFocus,
   kSaveCamera,
   kLoadCamera,

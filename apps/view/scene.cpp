@@ -172,6 +172,15 @@ Scene::~Scene() = default;
 
 void Scene::setSurface(std::shared_ptr<const SLIMSurface> surface) {
   surface_ = std::move(surface);
+  if (SLIMMapper* const shown = surfaceMapper()) {
+    shown->setSurface(surface_);
+    const bool balls = ballsShown(), normals = normalsShown();
+    remove(balls_);
+    remove(normals_);
+    showBalls(balls);
+    showNormals(normals);
+    return;
+  }
   vtkNew<SLIMMapper> mapper;
   mapper->setSurface(surface_);
   setMapper(mapper);
@@ -199,7 +208,11 @@ void Scene::setMapper(GBufferMapper* mapper) {
 }
 
 void Scene::setPoints(const CloudView& points, const ColorView& colors) {
+  const bool shown = !points_ || pointsShown();
+  remove(points_);
   points_ = makePoints(points, colors);
+  points_->SetVisibility(shown);
+  if (model_) points_->GetProperty()->SetPointSize(1.0f);
   add(points_);
   point_spheres_ = spheresOfPoints(points);
 }
@@ -268,6 +281,11 @@ void Scene::setBarLetters(int pixels) {
 void Scene::add(vtkActor* actor) {
   actor->GetMapper()->SetClippingPlanes(cuts_);
   renderer_->AddActor(actor);
+}
+
+void Scene::remove(vtkSmartPointer<vtkActor>& actor) {
+  if (actor) renderer_->RemoveActor(actor);
+  actor = nullptr;
 }
 
 void Scene::cut(const std::vector<HalfSpace>& sides) {

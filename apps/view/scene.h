@@ -38,6 +38,7 @@ class Scene {
   explicit Scene(vtkRenderer* renderer);
   ~Scene();
 
+  /** \brief Another surface in place of one keeps its colours, lines and detail. */
   void setSurface(std::shared_ptr<const SLIMSurface> surface);
   void setSplats(std::shared_ptr<const SplatSet> splats);
   /** \brief Shows a scan's finite points, in their colours if they have any, else grey. O(points).
@@ -88,6 +89,7 @@ class Scene {
  private:
   void setMapper(GBufferMapper* mapper);
   void add(vtkActor* actor);
+  void remove(vtkSmartPointer<vtkActor>& actor);
   void updateBar();
 
   vtkRenderer* renderer_;

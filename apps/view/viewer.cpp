@@ -10,65 +10,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit.h"
-#include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/image.h"
-#include "pcl_slim/scan/scan.h"
-#include "pcl_slim/scan/uncertainty.h"
-#include "pcl_slim/surface/surface_components.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/studio.h"
 #include "view/readout.h"
 
 namespace pcl_slim {
-
-FitTask::FitTask(const FitJob& job, double min_component, const CloudFile& cloud, bool uncertainty)
-    : job_(job),
-      min_component_(min_component),
-      uncertainty_(uncertainty),
-      cloud_(cloud),
-      progress_([this](float fraction, const char* stage) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        fraction_ = fraction;
-        stage_ = stage;
-      }),
-      thread_([this] {
-        try {
-          run();
-        } catch (const std::bad_alloc&) {
-          error_ = {ErrorCode::kBadInput, "not enough memory; show a smaller scan"};
-        }
-        finished_.store(true);
-      }) {}
-
-FitTask::~FitTask() {
-  progress_.cancel();
-  thread_.join();
-}
-
-float FitTask::progress(std::string& stage) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  stage = stage_;
-  return fraction_;
-}
-
-void FitTask::run() {
-  const bool with_normals = job_.use_normals || job_.normal_neighbours > 0;
-  FittedScan fitted;
-  error_ = fitScan({cloud_.view(with_normals), job_.color ? colorsOf(cloud_) : ColorView()},
-                   job_.params, fitted, &progress_);
-  *surface_ = std::move(fitted.surface);
-  if (!error_) dropComponents(min_component_, *surface_, job_.params.threads);
-  if (error_ || !uncertainty_) return;
-  const auto painted = paintUncertainty(*surface_, {}, perceptualColor, job_.params.threads);
-  if (!painted) error_ = painted.error();
-}
 
 namespace {
 
@@ -216,6 +167,25 @@ Error Viewer::runFit(FitTask& task) {
   return fit_error_;
 }
 
+Error Viewer::runFrames(FrameSequence& frames) {
+  frames_ = &frames;
+  run();
+  frames_ = nullptr;
+  return fit_error_;
+}
+
+Error Viewer::showLast(FrameSequence& frames) {
+  for (;;) {
+    frames.wait();
+    if (frames.task()->error()) return frames.task()->error();
+    if (frames.index() + 1 == frames.size()) break;
+    if (Error error = frames.startNext()) return error;
+  }
+  scene_.setSurface(frames.task()->surface());
+  begin();
+  return {};
+}
+
 Error Viewer::saveScreenshot(const std::string& path) {
   // Nobody reads in a picture which keys there are.
   overlay_.setStatus("");
@@ -331,6 +301,7 @@ void Viewer::onResized() {
 }
 
 void Viewer::onTimer() {
+  if (frames_) onFrameTimer();
   if (task_) {
     std::string stage;
     const float fraction = task_->progress(stage);
@@ -345,6 +316,41 @@ void Viewer::onTimer() {
   if (mouse_rests_) return;
   mouse_rests_ = true;
   readUnderMouse();
+}
+
+/** Shows a frame as soon as it is fitted, unless the sequence is paused. */
+void Viewer::onFrameTimer() {
+  const FitTask* const task = frames_->task();
+  if (task && !task->finished()) {
+    std::string stage;
+    const float fraction = task->progress(stage);
+    if (frame_.empty()) overlay_.setProgress(fraction, stage);
+    return;
+  }
+  if (playing_ || step_) showFrame();
+}
+
+void Viewer::showFrame() {
+  overlay_.setProgress(-1.0f, "");
+  step_ = false;
+  message_.clear();
+  const FitTask* const task = frames_->task();
+  if (task && !task->error()) {
+    const FitJob& job = frames_->job();
+    scene_.setPoints(frames_->cloud().view(job.use_normals),
+                     job.color ? colorsOf(frames_->cloud()) : ColorView());
+    const bool first = scene_.mapper() == nullptr;
+    scene_.setSurface(task->surface());
+    if (first) begin();
+  }
+  frame_ = "frame " + std::to_string(frames_->index() + 1) + " of " +
+           std::to_string(frames_->size()) + ", " + frames_->file();
+  if (task) fit_error_ = task->error();
+  if (fit_error_) message_ = fit_error_.message;
+  if (frames_->index() + 1 == frames_->size()) playing_ = false;
+  fit_error_ = frames_->startNext();
+  updateStatus();
+  render();
 }
 
 void Viewer::readUnderMouse() {
@@ -370,7 +376,8 @@ void Viewer::takeFit() {
 void Viewer::updateStatus() {
   updateBackground();
   overlay_.raise();
-  overlay_.setStatus(describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));
+  const std::string frame = frame_.empty() ? "" : frame_ + "   ";
+  overlay_.setStatus(frame + describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));
 }
 
 }  // namespace pcl_slim

@@ -4,21 +4,17 @@
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/core/progress.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "render/view_request.h"
-#include "scan/fit_job.h"
 #include "view/controls.h"
+#include "view/fit_task.h"
 #include "view/scene.h"
 
 class vtkRenderWindow;
@@ -26,42 +22,6 @@ class vtkRenderWindowInteractor;
 class vtkRenderer;
 
 namespace pcl_slim {
-
-/** \brief A fit in a thread of its own, apart from the window's. The scan must outlive it. */
-class FitTask {
- public:
-  /** \param[in] min_component points; what is connected to fewer is not shown \param[in]
-   * uncertainty paints the surface with its standard error */
-  FitTask(const FitJob& job, double min_component, const CloudFile& cloud, bool uncertainty);
-  /** \brief Stops the fit and waits for it. */
-  ~FitTask();
-  FitTask(const FitTask&) = delete;
-  FitTask& operator=(const FitTask&) = delete;
-
-  bool finished() const { return finished_.load(); }
-  /** \brief Share done; \param[out] stage what runs now. */
-  float progress(std::string& stage) const;
-
-  /** \brief Once finished: what was wrong, or nothing. */
-  const Error& error() const { return error_; }
-  std::shared_ptr<const SLIMSurface> surface() const { return surface_; }
-
- private:
-  void run();
-
-  FitJob job_;
-  double min_component_;
-  bool uncertainty_;
-  const CloudFile& cloud_;
-  std::shared_ptr<SLIMSurface> surface_ = std::make_shared<SLIMSurface>();
-  Error error_;
-  std::atomic<bool> finished_{false};
-  mutable std::mutex mutex_;  ///< of fraction and stage
-  float fraction_ = 0.0f;
-  std::string stage_ = "preparing";
-  Progress progress_;
-  std::thread thread_;  ///< last: all else is there when it starts
-};
 
 /** \brief How a window begins. */
 struct ViewerSettings {
@@ -95,6 +55,11 @@ class Viewer {
    * there.
    * \return what was wrong with the fit. */
   Error runFit(FitTask& task);
+  /** \brief The same for the frames of a sensor, each as soon as it is fitted. \return what was
+   * wrong with the last one. */
+  Error runFrames(FrameSequence& frames);
+  /** \brief Fits all frames and shows the last one. */
+  Error showLast(FrameSequence& frames);
   /** \brief Draws the window once and saves it as a PNG file. */
   Error saveScreenshot(const std::string& path);
 
@@ -130,6 +95,8 @@ class Viewer {
   void refineAtRest();
   void updateStatus();
   void takeFit();
+  void onFrameTimer();
+  void showFrame();
 
   ViewerSettings settings_;
   vtkNew<vtkRenderer> renderer_;
@@ -139,6 +106,9 @@ class Viewer {
   Overlay overlay_;
   CutBox cut_box_;
   FitTask* task_ = nullptr;
+  FrameSequence* frames_ = nullptr;
+  bool playing_ = true, step_ = false;  ///< frames follow each other; one more is to be shown
+  std::string frame_;                   ///< name and number of the frame that is shown
   Error fit_error_;
   std::string message_;         ///< shown once in the status line
   std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's

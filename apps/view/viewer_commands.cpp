@@ -80,6 +80,8 @@ void Viewer::execute(const Key& key) {
     case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
     case Command::kReset: return resetCamera();
+    case Command::kPlay: playing_ = !playing_; return;
+    case Command::kNextFrame: step_ = true; return;
     case Command::kFocus: return focusUnderMouse();
     case Command::kScreenshot: return screenshotByKey();
     case Command::kHelp: return overlay_.showHelp(!overlay_.helpShown());

@@ -12,6 +12,22 @@ program=pcl_slim_view
 "$bin/pcl_slim_fit" scan.pcd surface.slim > out.txt
 "$bin/pcl_color_splat_sampling" scan.pcd splats.pcd > out.txt 2> err.txt || true
 
+# Frames of a sensor: a wave that moves on, with noise.
+frame() {
+  awk -v seed="$1" 'BEGIN {
+    srand(seed); n = 100
+    print "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " n "\nHEIGHT " n
+    print "VIEWPOINT .5 .5 2 1 0 0 0\nPOINTS " n * n "\nDATA ascii"
+    for (y = 0; y < n; ++y) for (x = 0; x < n; ++x)
+      print .01 * x, .01 * y, .05 * sin(.06 * x + seed) + .002 * sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand())
+  }'
+}
+frame 1 > frame1.pcd
+frame 2 > frame2.pcd
+mkdir frames
+"$bin/pcl_slim_fit" frame1.pcd frame2.pcd -out frames > out.txt
+"$bin/pcl_slim_fit" frame2.pcd alone.slim > out.txt
+
 # Mistakes are reported before a window is opened.
 unset DISPLAY
 expect 2 'missing.slim' missing.slim
@@ -61,6 +77,11 @@ shot sketch.png surface.slim -mode sketch
 shot lod.png surface.slim -lod 40
 shot top.png surface.slim -view top
 shot parallel.png surface.slim -ortho 1
+shot frames.png frame1.pcd frame2.pcd
+shot last.png frames/frame2.*
+shot alone.png alone.slim
+"$bin/pcl_slim_view" frame1.pcd missing.pcd -screenshot none.png > missing.out 2> missing.err && echo none >> missing.err
+"$bin/pcl_slim_view" frame1.pcd surface.slim -screenshot none.png > model.out 2> model.err && echo none >> model.err
 shot part.png surface.slim -region -1,-1,0.3,1,1,9
 shot scan.png scan.pcd
 if [ -s splats.pcd ]; then
@@ -78,6 +99,12 @@ same shaded.png again.png
 [ -s card.png ] && [ "$(wc -c < card.png)" -gt 2000 ] || complain "the card's picture is empty"
 # The scan is fitted as pcl_slim_fit does it.
 same shaded.png scan.png
+# So are frames, each by the noise of the one before.
+same frames.png last.png
+differ frames.png alone.png
+absent none.png
+grep -q 'missing.pcd' missing.err || complain "a missing frame: $(cat missing.err)"
+grep -q 'surface.slim' model.err || complain "a surface among frames: $(cat model.err)"
 differ mean.png unit.png
 for other in bare mean error balls lines sketch lod top parallel part; do differ shaded.png $other.png; done
 [ ! -s splats.pcd ] || differ color.png normal.png
