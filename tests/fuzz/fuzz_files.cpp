@@ -46,6 +46,7 @@ bool hasValuesOf(const PointTable& table, const PointTable& other) {
     return readScalar(cloud.data.data() + i * cloud.point_step + offset, field.datatype);
   };
   if (numPoints(table) != numPoints(other)) return false;
+  if (table.data == other.data) return true;
   for (const PointField& field : other.fields) {
     if (field.name == "rgb" || field.name == "rgba") continue;
     const int index = findField(table, field.name);

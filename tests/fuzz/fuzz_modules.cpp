@@ -44,7 +44,7 @@ struct FuzzCloud {
     bgr.assign(3 * view.size, std::uint8_t{90});
     view.xyz = values.data();
     view.xyz_stride = 4 * row;
-    if (!normals) return;
+    if (!normals || values.empty()) return;
     view.normal = values.data() + 3;
     view.normal_stride = 4 * row;
   }
