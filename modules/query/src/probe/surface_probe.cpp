@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/query/surface_probe.h"
+#include "pcl_slim/query/leaf_noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -165,7 +166,7 @@ ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
   const double gate = std::max(kLeastErrorGate, kErrorGate * surface.error[i] / surface.radius[i]);
   ProbeLeaf placed{blockLeaf(surface, i, gate, noise),
                    {surface.cx[i], surface.cy[i], surface.cz[i]},
-                   surface.effective_count[i],
+                   static_cast<float>(equivalentCount(surface, i)),
                    static_cast<float>(filledShare(surface.trimMap(i), surface.info.fit_kernel))};
   BlockLeaf& leaf = placed.leaf;
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/query/leaf_noise.h"
 #include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
@@ -223,12 +224,9 @@ LeafErrors LeafErrorTable::of(const SLIMSurface& surface, std::uint32_t i) const
   const SurfaceInfo& info = surface.info;
   const double count = std::max(1.0, double{surface.effective_count[i]});
   const double shared = std::clamp(info.correlation, 1.0, count);
-  const double followed = std::min(1.0, shared * numCoefficients(surface.degree[i]) / count);
-  const double noise = std::max(0.0, info.lambda) * info.diagonal * info.diagonal;
-  const double residual = surface.error[i];
   LeafErrors errors;
-  errors.deviation = static_cast<float>(
-      std::sqrt((residual * residual + noise * followed) * shared / count) / surface.radius[i]);
+  errors.deviation =
+      static_cast<float>(std::sqrt(leafNoise(surface, i) * shared / count) / surface.radius[i]);
   errors.round = at_.empty() || at_[i] == kRound;
   errors.variances = errors.round ? &round(surface, i) : &open_[at_[i]];
   return errors;

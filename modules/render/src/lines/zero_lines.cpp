@@ -8,6 +8,7 @@
 
 #include "lines/lines.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/query/leaf_noise.h"
 
 namespace pcl_slim::detail {
 
@@ -86,8 +87,8 @@ float PixelGeometry::differenceStep(std::size_t pixel, const Pixel2& screen) con
 
 float PixelGeometry::significance(float difference, std::size_t pixel) const {
   const std::uint32_t leaf = buffer_.surfel[pixel];
-  const double count = std::max(1.0f, surface_.effective_count[leaf]);
-  return static_cast<float>(noise_.significance(difference, surface_.radius[leaf], count));
+  return static_cast<float>(
+      noise_.significance(difference, surface_.radius[leaf], equivalentCount(surface_, leaf)));
 }
 
 Vector3 PixelGeometry::position(float x, float y, float depth) const {

@@ -39,7 +39,8 @@ class CurvatureNoise {
   /** \brief A difference of curvatures kAside radii apart in deviations of the noise, which are 60
    * sigma / (r^2 sqrt(n_eff)): measured on spheres and tori.
    * \param[in] difference [1/local length]
-   * \param[in] radius, effective_count of the leaves there, local units */
+   * \param[in] radius, effective_count of the leaves there, local units; the count as
+   * equivalentCount() */
   double significance(double difference, double radius, double effective_count) const {
     return difference * radius * radius * std::sqrt(effective_count) / (kFactor * sigma_);
   }
