@@ -132,7 +132,8 @@ Exit showFrames(const Settings& s, Console& console, Report& report) {
   files.insert(files.begin(), s.input);
   FrameSequence frames(std::move(files), s.fit, s.min_component, s.viewer.isUncertainty(), console,
                        report);
-  if (Error error = frames.start(0)) return Exit::usage(error);
+  frames.start(0);
+  if (frames.task() == nullptr) return Exit::usage(frames.error());
   if (Error error = checkDisplay()) return error;
   Viewer viewer(s.viewer, s.screenshot.empty());
   if (!s.screenshot.empty()) {

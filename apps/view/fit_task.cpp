@@ -88,22 +88,22 @@ FrameSequence::FrameSequence(std::vector<std::string> files, const FitJob& job,
   job_.params.keep_sensor_noise = job_.same_sensor.value_or(true) && measuresNoise(job_.params);
 }
 
-Error FrameSequence::start(std::size_t index) {
+void FrameSequence::start(std::size_t index) {
   task_.reset();
   index_ = index % files_.size();
   Result<CloudFile> cloud = loadScan(file(), job_, console_, report_);
-  if (!cloud) return cloud.error();
+  error_ = cloud ? Error() : cloud.error();
+  if (!cloud) return;
   cloud_ = std::make_unique<CloudFile>(std::move(*cloud));
   task_ = std::make_unique<FitTask>(job_, min_component_, *cloud_, uncertainty_);
-  return {};
 }
 
-Error FrameSequence::startNext() {
+void FrameSequence::startNext() {
   if (task_ && !task_->error() && task_->sensorNoise()) {
     const SensorNoise& noise = *task_->sensorNoise();
     if (noise.rows > 0 || job_.same_sensor.value_or(false)) job_.params.sensor_noise = noise;
   }
-  return start(index_ + 1);
+  start(index_ + 1);
 }
 
 }  // namespace pcl_slim

@@ -68,15 +68,17 @@ class FrameSequence {
                 bool uncertainty, Console& console, Report& report);
 
   /** \brief Loads a frame and starts its fit; after the last one comes the first. O(points). */
-  Error start(std::size_t index);
+  void start(std::size_t index);
   /** \brief Hands the noise on, and starts the next frame. */
-  Error startNext();
+  void startNext();
 
   std::size_t size() const { return files_.size(); }
   std::size_t index() const { return index_; }
   const std::string& file() const { return files_[index_]; }
   const FitJob& job() const { return job_; }
   const CloudFile& cloud() const { return *cloud_; }
+  /** \brief Why the frame could not be loaded or, once it is fitted, not be fitted. */
+  Error error() const { return task_ ? task_->error() : error_; }
   /** \brief The fit of the frame; null if it could not be loaded. */
   const FitTask* task() const { return task_.get(); }
   /** \brief Returns when the frame is fitted. */
@@ -92,6 +94,7 @@ class FrameSequence {
   Console& console_;
   Report& report_;
   std::size_t index_ = 0;
+  Error error_;  ///< of loading the frame
   std::unique_ptr<CloudFile> cloud_;
   std::unique_ptr<FitTask> task_;  ///< last: it reads the cloud
 };

@@ -177,9 +177,9 @@ Error Viewer::runFrames(FrameSequence& frames) {
 Error Viewer::showLast(FrameSequence& frames) {
   for (;;) {
     frames.wait();
-    if (frames.task()->error()) return frames.task()->error();
+    if (Error error = frames.error()) return error;
     if (frames.index() + 1 == frames.size()) break;
-    if (Error error = frames.startNext()) return error;
+    frames.startNext();
   }
   scene_.setSurface(frames.task()->surface());
   begin();
@@ -322,9 +322,11 @@ void Viewer::onTimer() {
 void Viewer::onFrameTimer() {
   const FitTask* const task = frames_->task();
   if (task && !task->finished()) {
+    if (!frame_.empty()) return;  // the frame before is shown
     std::string stage;
     const float fraction = task->progress(stage);
-    if (frame_.empty()) overlay_.setProgress(fraction, stage);
+    overlay_.setProgress(fraction, stage);
+    render();
     return;
   }
   if (playing_ || step_) showFrame();
@@ -334,21 +336,21 @@ void Viewer::showFrame() {
   overlay_.setProgress(-1.0f, "");
   step_ = false;
   message_.clear();
-  const FitTask* const task = frames_->task();
-  if (task && !task->error()) {
+  if (const Error error = frames_->error()) {
+    message_ = error.message;
+    if (!fit_error_) fit_error_ = error;
+  } else {
     const FitJob& job = frames_->job();
     scene_.setPoints(frames_->cloud().view(job.use_normals),
                      job.color ? colorsOf(frames_->cloud()) : ColorView());
     const bool first = scene_.mapper() == nullptr;
-    scene_.setSurface(task->surface());
+    scene_.setSurface(frames_->task()->surface());
     if (first) begin();
   }
   frame_ = "frame " + std::to_string(frames_->index() + 1) + " of " +
            std::to_string(frames_->size()) + ", " + frames_->file();
-  if (task) fit_error_ = task->error();
-  if (fit_error_) message_ = fit_error_.message;
   if (frames_->index() + 1 == frames_->size()) playing_ = false;
-  fit_error_ = frames_->startNext();
+  frames_->startNext();
   updateStatus();
   render();
 }

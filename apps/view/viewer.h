@@ -56,7 +56,7 @@ class Viewer {
    * \return what was wrong with the fit. */
   Error runFit(FitTask& task);
   /** \brief The same for the frames of a sensor, each as soon as it is fitted. \return what was
-   * wrong with the last one. */
+   * wrong with the first one that could not be shown. */
   Error runFrames(FrameSequence& frames);
   /** \brief Fits all frames and shows the last one. */
   Error showLast(FrameSequence& frames);

@@ -299,24 +299,5 @@ TEST(NoiseField, EvenNoiseHasOneLevel) {
   }
 }
 
-/** The patches of a thin pole are as wide as it is, whatever their size; that is no noise. */
-TEST(NoiseField, APoleIsNoNoise) {
-  std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> share(-1, 1);
-  Cloud cloud;
-  for (std::size_t i = 0; i < 10000; ++i) cloud.add(share(random), share(random), 0);
-  for (std::size_t i = 0; i < 1000; ++i) {
-    const double angle = M_PI * share(random);
-    cloud.add(0.02 * std::cos(angle), 0.02 * std::sin(angle), 0.5 + 0.5 * share(random));
-  }
-  const PointStore store = storeOf(cloud);
-  detail::NoiseLevel level = wholeNoise(store);
-  level.variance = std::pow(0.002 / store.scale(), 2);
-  std::size_t raised = 0;
-  const std::vector<float> ratios = detail::measureNoiseField(store, level, {}, 2);
-  for (const float ratio : ratios) raised += ratio > 2;
-  EXPECT_LT(raised, ratios.size() / 20);
-}
-
 }  // namespace
 }  // namespace pcl_slim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise that neighbours share (docs/theory.md, section of this name). The curve of the residual
-// variance of cubics over the size of the patch separates it from detail.
+// The curve of the residual variance of cubics over the size of the patch, which separates noise that
+// neighbours share from detail (docs/theory.md, "Noise that neighbours share").
+#include "noise/noise_curve.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "noise/patch.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
@@ -16,36 +17,6 @@
 namespace pcl_slim::detail {
 
 namespace {
-
-/** Noise as estimated from a curve. */
-struct CurveNoise {
-  double variance = 0, correlation = 1;
-  std::size_t scale = 0;  ///< index of the first scale that shows most of it
-};
-
-/** The scales of a cloud, and the noise estimated from them. */
-struct NoiseCurve {
-  std::vector<PatchScale> scales;  ///< two at least
-  CurveNoise noise;
-  std::vector<CurveNoise> halves;  ///< estimates from random halves of the places
-};
-
-/** The part of a curve's noise that counts. Chance explains the rest. */
-struct CurveShare {
-  double part = 0;                       ///< part of log(variance / white variance) that counts
-  double variance = 0, correlation = 1;  ///< figures of the noise that counts
-};
-
-/** Squared errors of the logarithms of the figures that count. */
-struct LogErrors {
-  double variance = 0, correlation = 0;
-};
-
-/** The kernel q of (N1): falls smoothly from 1 at 0 to 0 beyond a width. */
-double fallOff(double x, double width) {
-  const double ratio = std::max(0.0, x) / width;
-  return std::exp(-ratio * ratio * ratio * ratio);
-}
 
 /// Share of the places at which growth is measured: those of the least variance.
 constexpr double kGrowthPlaces = 0.35;
@@ -361,7 +332,8 @@ double ramp(double x, double low, double high) {
 /// Growth over the variance of the smallest patches from which it counts in full.
 constexpr double kFullGrowth = 1.0;
 
-/** The part of an estimate that counts: correlation and growth of the variance count by ramps. */
+}  // namespace
+
 CurveShare shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants) {
   const double share = ramp(curve.correlation, kLeastCorrelation, constants.full_correlation);
   const double growth = std::log2(curve.variance / white);
@@ -373,7 +345,6 @@ CurveShare shareOf(const CurveNoise& curve, double white, const SharedNoiseConst
           std::max(absorbed, 1 + share * (curve.correlation - 1))};
 }
 
-/** The scatter of the estimates from halves about the estimate from all places. */
 LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants) {
   const CurveShare all = shareOf(curve.noise, white, constants);
   LogErrors errors;
@@ -385,6 +356,8 @@ LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConst
   const auto count = static_cast<double>(curve.halves.size());
   return {errors.variance / count, errors.correlation / count};
 }
+
+namespace {
 
 /// Largest RMS error of the logarithms of the variance and of the correlation.
 constexpr double kLogError = 0.07;
@@ -399,8 +372,8 @@ double neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseCons
 constexpr std::size_t kPointsPerPlace = 20;  ///< there is at most one place for this many points
 constexpr std::size_t kLeastPlaces = 100;    ///< there are at least this many places
 
-/** Measures the curve of a cloud, again with more places if random halves of them differ too much.
- * \param[in] k number of points of the smallest patches \param[in] white their variance */
+}  // namespace
+
 NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
                         const NoiseConstants& given, int threads) {
   NoiseConstants constants = given;
@@ -426,134 +399,6 @@ NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
   if (places >= most || !(needed > few)) return curve;
   const double more = std::min(std::max(needed, kLeastFactor * few), static_cast<double>(most));
   return measure(static_cast<std::size_t>(more));
-}
-
-constexpr std::size_t kRoundingPlaces = 1200;  ///< number of places where rounding is measured
-/// Growth beyond the patches that show all of the rounding at which the chance of noise is 1/e.
-constexpr double kRoundingGrowth = 0.7;
-
-/** Measures the noise of a rounded coordinate. Its errors change sign from one terrace to the next
- * and cancel in wide cells. Where detail follows directly, patches of half the width are used.
- * \param[in] k number of points of patches that show all of it
- * \param[out] scales the scales measured: k / 2, k and 2 k */
-CurveNoise measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
-                           int threads, std::vector<PatchScale>& scales) {
-  ThinnedPlaces points(store, kRoundingPlaces);
-  for (const std::size_t size : {k / 2, k, 2 * k})
-    scales.push_back(measureScale(points, size, constants, threads));
-  const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);
-  const double growth = std::log2(median(scales[2].variances) / median(scales[1].variances));
-  const double chance = fallOff(growth, kRoundingGrowth);
-  const double least = constants.shared.full_correlation;
-  const double shared = std::max(least, correlationOf(scales[2], constants));
-  return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
-}
-
-/// Largest correlation that a fit counts in full [points]. Of a larger one the geometric mean with
-/// this counts: a large tau rounds edges, and the reduction costs smooth parts little.
-constexpr double kFullDependence = 12;
-
-/** Sets the correlation of the noise, and the number of points that a fit counts as one. */
-void setCorrelation(double correlation, NoiseLevel& noise) {
-  noise.correlation = noise.dependence = correlation;
-  if (correlation > kFullDependence) noise.dependence = std::sqrt(kFullDependence * correlation);
-}
-
-/** The noise of one scale. */
-NoiseLevel scaleNoise(const PatchScale& scale, const NoiseConstants& constants) {
-  NoiseLevel noise;
-  noise.variance = levelOf(scale, constants);
-  noise.error = 0.5 * trimmedMeanError(scale.variances, constants.trim);
-  noise.patch_radius = median(scale.radii);
-  noise.neighbors = scale.k;
-  return noise;
-}
-
-/** Sets the errors of a curve's noise. Its variance has three: the scatter of the estimates from
- * halves, the chance error of a variance of n / tau values, and the error of white noise. */
-void setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white,
-               double points, const SharedNoiseConstants& constants, NoiseLevel& noise) {
-  const LogErrors errors = errorsOf(curve, white.variance, constants);
-  const double chance = all.part * 2 * all.correlation / points;
-  noise.error = std::hypot(0.5 * std::sqrt(errors.variance + chance), (1 - all.part) * white.error);
-  noise.correlation_error = std::sqrt(errors.correlation + chance);
-}
-
-/** The noise of a curve that counts, or white noise. */
-NoiseLevel curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
-                      const NoiseConstants& constants) {
-  const SharedNoiseConstants& shared = constants.shared;
-  const CurveShare share = shareOf(curve.noise, white.variance, shared);
-  NoiseLevel noise = share.correlation > shared.white_correlation
-                         ? scaleNoise(curve.scales[curve.noise.scale], constants)
-                         : white;
-  noise.variance = share.variance;
-  if (share.correlation > shared.white_correlation) setCorrelation(share.correlation, noise);
-  setErrors(curve, share, white, points, shared, noise);
-  return noise;
-}
-
-/** The noise of a rounded coordinate with little other noise. */
-NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
-                         const NoiseConstants& constants, int threads) {
-  std::vector<PatchScale> scales;
-  const CurveNoise rounding = measureRounding(store, steps.neighbors, constants, threads, scales);
-  NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
-  noise.variance = rounding.variance;
-  setCorrelation(rounding.correlation, noise);
-  noise.step = steps.step;
-  return noise;
-}
-
-/// RMS noise below which there is only the rounding of floats [PointStore::bulkDiagonal()].
-constexpr double kFloatNoise = 1e-7;
-
-/** White noise of points on lines. Across a line, its points count as one independent point. */
-NoiseLevel lineNoise(const NoiseLevel& white) {
-  NoiseLevel noise = white;
-  noise.dependence = static_cast<double>(white.line);
-  return noise;
-}
-
-}  // namespace
-
-NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
-                                const NoiseConstants& constants, int threads) {
-  if (white.neighbors == 0) return white;
-  if (white.line > 0) return lineNoise(white);
-  threads = resolveThreads(threads);
-  const NoiseCurve curve = measureCurve(store, white.neighbors, white.variance, constants, threads);
-  const std::vector<PatchScale>& scales = curve.scales;
-  const double resolved = kFloatNoise * store.bulkDiagonal();
-  if (curve.noise.variance < resolved * resolved) return white;
-  NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
-  const StepNoise steps = measureSteps(store, constants, threads);
-  if (steps.step > 0 && store.size() >= 2 * constants.most_part * steps.neighbors) {
-    const NoiseLevel rounding = roundingNoise(store, steps, constants, threads);
-    if (noise.correlation < constants.shared.full_correlation ||
-        !isFlat(noise.variance, rounding.variance, constants))
-      noise = rounding;
-  }
-  // The curve's first two scales have white noise's size and twice as many points.
-  if (!(noise.correlation > 1))
-    noise.varies =
-        noiseVaries(scales[0], scales[1], store.size(), noise.variance, constants, threads);
-  noise.patches = white.patches + scales.size() * scales.front().variances.size();
-  return noise;
-}
-
-NoiseLevel measureSharedNoise(const PointStore& store, double correlation,
-                              const NoiseConstants& constants, int threads) {
-  threads = resolveThreads(threads);
-  std::size_t k = smallestPatch(store, constants, threads);
-  const std::size_t most = std::max<std::size_t>(k, store.size() / constants.most_part);
-  while (static_cast<double>(k) < static_cast<double>(constants.shared.cells) * correlation &&
-         2 * k <= most)
-    k *= 2;
-  NoiseLevel noise = scaleNoise(measureScale(store, k, constants, threads), constants);
-  noise.correlation = noise.dependence = correlation;
-  noise.patches = constants.shared.places;
-  return noise;
 }
 
 }  // namespace pcl_slim::detail

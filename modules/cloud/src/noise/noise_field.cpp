@@ -62,7 +62,7 @@ std::vector<LocalNoise> localNoise(const PatchScale& scale, double level, double
   restoreCutVariances(scale.radii, constants, threads, variances);
   // The median of chi-square over its number of degrees of freedom (Wilson and Hilferty 1931).
   const auto freedom = static_cast<double>(scale.k / scale.stride - kCubicTerms);
-  const double bias = 3 * std::log(1 - 2 / (9 * freedom));
+  const double bias = 3 * std::log(1 - 2 / (9 * freedom)), least = std::log(kLeastRatio);
   std::vector<LocalNoise> noise(variances.size());
   std::vector<double> logs;
   for (std::size_t s = 0; s < variances.size(); ++s) {
@@ -76,7 +76,8 @@ std::vector<LocalNoise> localNoise(const PatchScale& scale, double level, double
     std::sort(logs.begin(), logs.end());
     const std::size_t n = logs.size();
     const double spread = (logs[3 * n / 4] - logs[n / 4]) / kQuartileRange;
-    noise[s].log = logs[n / 2] - bias;
+    // Points without noise are at the least ratio on patches of any size.
+    noise[s].log = logs[n / 2] > least ? logs[n / 2] - bias : least;
     noise[s].chance = kVarianceOfMedian * spread * spread * overlap / static_cast<double>(n);
   }
   return noise;
@@ -89,9 +90,9 @@ struct NoiseField {
   double error = 0;     ///< standard error of this variance where it is 0
 };
 
-/** Estimates the field from patches of k and of 2 k points at the same places. Where noise exceeds
- * the level, patches of both sizes must have the same variance within two standard errors: that of
- * detail, edges and thin rods depends on the size. */
+/** Estimates the field from patches of k and of 2 k points at the same places. A place counts where
+ * patches of both sizes have the same variance within two standard errors: that of detail and edges
+ * depends on the size. */
 NoiseField fieldOf(const PatchScale& scale, const PatchScale& wider, std::size_t points,
                    double level, const NoiseConstants& constants, int threads) {
   const double per_point = static_cast<double>(scale.variances.size() * scale.k);
@@ -106,8 +107,8 @@ NoiseField fieldOf(const PatchScale& scale, const PatchScale& wider, std::size_t
     if (place.chance < 0) continue;
     const double growth = wide[s].log - place.log;
     const double chance = place.chance + std::max(0.0, wide[s].chance);
-    const bool constant = wide[s].chance >= 0 && growth * growth < 4 * chance;
-    if (place.log > 0) place.log = constant ? std::min(place.log, most) : 0;
+    const bool constant = wide[s].chance >= 0 && growth * growth <= 4 * chance;
+    place.log = constant ? std::min(place.log, most) : 0;
     squares += place.log * place.log;
     chances += place.chance;
     ++known;

@@ -172,16 +172,10 @@ NoiseLevel residualNoise(const PointStore& store, const FitParams& params,
 /** The noise model's variances for runs of points, in local units. */
 std::vector<float> modelProfile(const PointStore& store, const FitParams& params,
                                 const NoiseConstants& constants, int threads) {
-  std::optional<Vector3> sensor;
-  const double scale = store.scale();
-  if (params.viewpoint) {
-    sensor.emplace();
-    for (std::size_t a = 0; a < 3; ++a)
-      (*sensor)[a] = ((*params.viewpoint)[a] - store.origin()[a]) / scale;
-  }
   const auto& [a, b, c] = *params.noise_model;
-  return rangeNoise(raysToRuns(store, sensor, 0, constants, threads), {a / scale, b, c * scale},
-                    constants, threads);
+  const double scale = store.scale();
+  const auto rays = raysToRuns(store, localViewpoint(store, params), 0, constants, threads);
+  return rangeNoise(rays, {a / scale, b, c * scale}, constants, threads);
 }
 
 /** Sets lambda to a profile's mean and the profile to ratios of it. */
@@ -290,6 +284,14 @@ bool takeSensorNoise(const PointStore& store, const FitParams& params, const Noi
 }
 
 }  // namespace
+
+std::optional<Vector3> localViewpoint(const PointStore& store, const FitParams& params) {
+  if (!params.viewpoint) return {};
+  Vector3 viewpoint;
+  for (std::size_t a = 0; a < 3; ++a)
+    viewpoint[a] = ((*params.viewpoint)[a] - store.origin()[a]) / store.scale();
+  return viewpoint;
+}
 
 CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
                            const FitConstants& constants, int threads) {

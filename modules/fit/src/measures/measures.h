@@ -11,6 +11,7 @@
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -18,6 +19,9 @@ namespace pcl_slim::detail {
  * bound and what normals weigh as data. checkNormals() must have passed. */
 CloudMeasures measureCloud(const PointStore& store, const FitParams& params,
                            const FitConstants& constants, int threads);
+
+/** \brief The viewpoint given, in local units. */
+std::optional<Vector3> localViewpoint(const PointStore& store, const FitParams& params);
 
 /** \brief An error where normals are to be data and there are none. */
 Error checkNormals(const PointStore& store, const FitParams& params);

@@ -26,10 +26,8 @@ constexpr double kLeastCosine = 0.2;
 /** The rays from the place that the cloud was seen from; none where it is not known. */
 std::vector<SensorRay> raysOf(const PointStore& store, const FitParams& params, std::size_t runs,
                               const NoiseConstants& constants, int threads) {
-  if (!params.viewpoint) return {};
-  Vector3 sensor;
-  for (std::size_t a = 0; a < 3; ++a)
-    sensor[a] = ((*params.viewpoint)[a] - store.origin()[a]) / store.scale();
+  const std::optional<Vector3> sensor = localViewpoint(store, params);
+  if (!sensor) return {};
   return raysToRuns(store, sensor, runs, constants, threads);
 }
 

@@ -139,8 +139,8 @@ PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
  *
  * A place's noise is the median of 17 patches around it. Its logarithm over the cloud's is drawn
  * towards 0 by its standard error over the scatter of all places: noise that is alike everywhere
- * gives one level, a mixture its parts. Noise above the level counts where it does not depend on
- * the size of the patch, as detail, edges and thin rods do. \return ratios between 1e-6 and 20;
+ * gives one level, a mixture its parts. A place counts where its noise does not depend on the size of
+ * the patch, as that of detail and edges does. \return ratios between 1e-6 and 20;
  * empty where chance explains all differences. O(n / 128 patches of k and of 2 k points). */
 PCL_SLIM_EXPORT std::vector<float> measureNoiseField(const PointStore& store,
                                                      const NoiseLevel& level,
