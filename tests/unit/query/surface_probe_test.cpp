@@ -83,6 +83,8 @@ TEST(SurfaceProbe, FarPlacesAreUnsupported) {
   const ProbeScale scale = probe.scaleAt(fit.fit.projection.position[5], {0, 0, 0});
   EXPECT_GT(scale.radius, 0);
   EXPECT_GT(scale.effective_count, 10);
+  EXPECT_LE(scale.effective_count, 2000) << "points of the cloud";
+  EXPECT_GE(scale.equivalent_count, scale.effective_count);
 }
 
 /** Distances from places off a unit sphere's surface, in its own units. */

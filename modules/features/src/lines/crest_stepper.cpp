@@ -189,7 +189,7 @@ bool CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVer
 bool CrestStepper::complete(CrestVertex& vertex) {
   const ProbeScale scale = field_.scaleAt(vertex.position, vertex.normal);
   vertex.radius = scale.radius;
-  vertex.effective_count = scale.effective_count;
+  vertex.equivalent_count = scale.equivalent_count;
   vertex.reach = CrestField::reachAt(vertex);
   return scale.radius > 0;
 }

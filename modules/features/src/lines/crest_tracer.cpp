@@ -151,7 +151,7 @@ bool CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVer
   v.reach = CrestField::reachAt(v);
   CrestSample samples[3];
   field_.sampleSeed(v, samples);
-  const double z = noise_.significance(v.prominence, scale.radius, scale.effective_count);
+  const double z = noise_.significance(v.prominence, scale.radius, scale.equivalent_count);
   if (!(z >= kSeedShare * params_.significance)) {
     return refuse(seed, statistics_.seeds_insignificant);
   }
@@ -205,7 +205,7 @@ void CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std
     field_.findProminence(line.data() + begin, some);
     for (std::size_t i = begin; i < begin + some; ++i) {
       CrestVertex& v = line[i];
-      v.significance = noise_.significance(v.prominence, v.radius, v.effective_count);
+      v.significance = noise_.significance(v.prominence, v.radius, v.equivalent_count);
     }
   }
 }

@@ -61,7 +61,7 @@ struct CrestVertex {
   Vector3 position{}, normal{}, t{};
   Vector3 ahead{};  ///< unit, along the line
   double k = 0, other = 0;
-  double radius = 0, effective_count = 0;
+  double radius = 0, equivalent_count = 0;
   double fall = 0;   ///< of dk/dt across the line, per length; 0: not known
   double reach = 0;  ///< of differences of k about it
   double prominence = 0, significance = 0;

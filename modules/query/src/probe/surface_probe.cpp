@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/query/surface_probe.h"
-#include "pcl_slim/query/leaf_noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/leaf/detail/gates.h"
+#include "pcl_slim/query/leaf_noise.h"
 #include "pcl_slim/surface/surfel_color.h"
 #include "probe/probe.h"
 #include "projection/block_errors.h"
@@ -21,12 +21,16 @@ using namespace detail;
 
 namespace {
 
+/** What a leaf adds to a ProbeScale. */
+struct LeafScale {
+  float effective_count, equivalent_count, filled;
+};
+
 /** A leaf, ready for evaluation anywhere. */
 struct ProbeLeaf {
   BlockLeaf leaf;  ///< but for its shift
   Vector3 center;
-  float effective_count;
-  float filled;  ///< as in ProbeScale
+  LeafScale scale;
 };
 
 /** The leaves that reach into a box, relative to its middle, with columns to choose among them. */
@@ -50,8 +54,8 @@ class LeafRegion {
   /** Leaves that reach into a box inside the region. */
   void choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen);
 
-  /** Calls body(leaf, number of points, filled share, squared distance over squared radius) for each
-   * leaf whose ball contains a place. */
+  /** Calls body(leaf, its scale, squared distance over squared radius) for each leaf whose ball
+   * contains a place. */
   template <typename Body>
   void forHolding(const Vector3& place, const Body& body) {
     const auto p = offset(place);
@@ -60,10 +64,7 @@ class LeafRegion {
       measure_[j] = dx * dx + dy * dy + dz * dz - share_ * reach_sq_[j];
     }
     for (std::size_t j = 0; j < count_; ++j) {
-      if (measure_[j] < 0) {
-        body(leaves_[j], effective_count_[j], filled_[j],
-             1 + measure_[j] / (share_ * reach_sq_[j]));
-      }
+      if (measure_[j] < 0) body(leaves_[j], scales_[j], 1 + measure_[j] / (share_ * reach_sq_[j]));
     }
   }
 
@@ -75,7 +76,8 @@ class LeafRegion {
   Vector3 low_{}, high_{}, origin_{};
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;
-  std::vector<float> x_, y_, z_, reach_sq_, effective_count_, filled_, measure_;
+  std::vector<float> x_, y_, z_, reach_sq_, measure_;
+  std::vector<LeafScale> scales_;
   std::vector<BlockLeaf> leaves_;
 };
 
@@ -97,9 +99,8 @@ bool LeafRegion::covers(const Vector3& low, const Vector3& high) const {
 
 void LeafRegion::resize(std::size_t count) {
   if (leaves_.size() >= count) return;
-  for (auto* column : {&x_, &y_, &z_, &reach_sq_, &effective_count_, &filled_, &measure_}) {
-    column->resize(count);
-  }
+  for (auto* column : {&x_, &y_, &z_, &reach_sq_, &measure_}) column->resize(count);
+  scales_.resize(count);
   leaves_.resize(count);
 }
 
@@ -128,8 +129,7 @@ void LeafRegion::build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tr
     y_[count_] = center[1];
     z_[count_] = center[2];
     reach_sq_[count_] = static_cast<float>(r * r);
-    effective_count_[count_] = own.effective_count;
-    filled_[count_] = own.filled;
+    scales_[count_] = own.scale;
     leaves_[count_] = own.leaf;
     for (std::size_t a = 0; a < 3; ++a) leaves_[count_].shift[a] = -center[a];
     ++count_;
@@ -166,8 +166,8 @@ ProbeLeaf placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise) {
   const double gate = std::max(kLeastErrorGate, kErrorGate * surface.error[i] / surface.radius[i]);
   ProbeLeaf placed{blockLeaf(surface, i, gate, noise),
                    {surface.cx[i], surface.cy[i], surface.cz[i]},
-                   static_cast<float>(equivalentCount(surface, i)),
-                   static_cast<float>(filledShare(surface.trimMap(i), surface.info.fit_kernel))};
+                   {surface.effective_count[i], static_cast<float>(equivalentCount(surface, i)),
+                    static_cast<float>(filledShare(surface.trimMap(i), surface.info.fit_kernel))}};
   BlockLeaf& leaf = placed.leaf;
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
   if (surface.hasColors()) leaf.color = surface.colors.data() + i * kColorBytes;
@@ -446,19 +446,23 @@ ProbeScale SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side) {
   const BlendRules& rules = index_.leaves_->rules;
   const bool sided = rules.oriented && dot(side, side) > 0;
   const double alpha = index_.surface_.info.cover_radius, widening = 1 / (alpha * alpha);
-  double weight = 0, radius = 0, effective_count = 0, filled = 0, coverage = 0;
+  double weight = 0;
+  ProbeScale sum;
   scratch_->region.forHolding(
-      position, [&](const BlockLeaf& leaf, float count, float own_filled, float s_sq) {
+      position, [&](const BlockLeaf& leaf, const LeafScale& scale, float s_sq) {
         if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
         const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
         weight += g;
-        radius += g * leaf.radius;
-        effective_count += g * count;
-        filled += g * own_filled;
-        coverage += evaluateKernel(rules.kernel, widening * s_sq);
+        sum.radius += g * leaf.radius;
+        sum.effective_count += g * scale.effective_count;
+        sum.equivalent_count += g * scale.equivalent_count;
+        sum.filled += g * scale.filled;
+        sum.coverage += evaluateKernel(rules.kernel, widening * s_sq);
       });
   if (!(weight > 0)) return {};
-  return {radius / weight, effective_count / weight, filled / weight, coverage};
+  for (double* mean : {&sum.radius, &sum.effective_count, &sum.equivalent_count, &sum.filled})
+    *mean /= weight;
+  return sum;
 }
 
 }  // namespace pcl_slim

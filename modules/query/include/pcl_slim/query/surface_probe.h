@@ -70,9 +70,10 @@ struct SheetDistance {
 /** \brief How far leaves reach and how many points are behind them at a place, both blended with
  * the leaves' weights, and how well they cover it; 0 where there is none. */
 struct ProbeScale {
-  double radius = 0;           ///< local units
-  double effective_count = 0;  ///< equivalentCount()
-  double filled = 0;           ///< over that of balls without the holes that their trim maps have
+  double radius = 0;            ///< local units
+  double effective_count = 0;   ///< effective number of points
+  double equivalent_count = 0;  ///< equivalentCount()
+  double filled = 0;            ///< over that of balls without the holes that their trim maps have
   double coverage = 0;  ///< sum of G(d / alpha r): a fit's points have cover_threshold or more
 };
 
