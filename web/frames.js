@@ -2,10 +2,11 @@
 // What frames of surfaces and splats have in common in WebGL 2: programs, targets, colours, lines over them.
 
 import {within} from './box.js';
-import {along, minus, scaled} from './vectors.js';
+import {numbersTo, Pieces, seenBalls, SQUARE, tilesOf} from './pieces.js';
+import {along, length, minus, scaled} from './vectors.js';
 
 export const NOTHING = 3e38;
-const ROW = 2048;
+const ROW = 2048, TILE = 64, MARGIN = 2, AWAY = 0.4;  // tiles and margins in pixels
 
 /** Why this browser cannot draw, or nothing. */
 export function obstacle(gl) {
@@ -84,6 +85,7 @@ class Targets {
       first: this.frame([this.first], true), firstNamed: this.frame([this.first, this.named], true), sums: this.frame(this.sums, true),
       result: this.frame([this.geometry, this.attributes, this.met]),
       nearest: this.nearest.map(texture => this.frame([texture])),
+      draft: this.frame([this.geometry, this.attributes, this.met, this.named, this.sums[0]]),
       named: this.frame([this.named], true), painted: this.frame([this.sums[0]], true), colors: this.frame([this.colors]),
     };
   }
@@ -123,6 +125,9 @@ export class Frames {
     Object.assign(this, {gl, model, unit, page, attributes, programs: {}});
     this.canAddFloats = !!gl.getExtension('EXT_float_blend');
     this.exact = false;  // sums in 32 bits: half floats take half the memory, and normals .03 degrees
+    this.lines = {texture: null};
+    this.squares = new Pieces(gl, ...SQUARE);
+    this.linePieces = new Pieces(gl, ...SQUARE);
     this.packLines(null);
   }
 
@@ -147,39 +152,20 @@ export class Frames {
     return texture;
   }
 
-  /** An array of floats for each instance: [numbers, offset in bytes] of every attribute. */
-  vertices(data, attributes, stride) {
-    const gl = this.gl, array = gl.createVertexArray();
-    gl.bindVertexArray(array);
-    array.buffer = gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, array.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-    attributes.forEach(([size, offset], place) => {
-      gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, size, gl.FLOAT, false, stride, offset);
-      gl.vertexAttribDivisor(place, 1);
-    });
-    gl.bindVertexArray(null);
-    return array;
-  }
-
   /** The pieces of the page's lines that are in a box, or all of them. */
   packLines(box) {
-    const data = [], {gl, linePieces: old} = this;
+    const data = [];
     for (const [kind, ...numbers] of this.page.lines) {
       for (let k = 0; k + 5 < numbers.length; k += 3) {
         const from = numbers.slice(k, k + 3), run = minus(numbers.slice(k + 3, k + 6), from);
         const part = box ? within(box, from, run, 0, 1) : [0, 1];
         if (!part) continue;
         const [a, b] = part.map(t => scaled(along(from, t, run), 1 / this.unit));
-        data.push(...a, kind, ...b);
+        data.push(...a, kind, ...b, 0);
       }
     }
-    if (old) {
-      gl.deleteBuffer(old.array.buffer);
-      gl.deleteVertexArray(old.array);
-    }
-    this.linePieces = {count: data.length / 7, array: this.vertices(new Float32Array(data), [[4, 0], [3, 16]], 28)};
+    this.gl.deleteTexture(this.lines.texture);
+    this.lines = {texture: this.dataTexture(new Float32Array(data), 4, this.gl.RGBA32F, this.gl.RGBA, this.gl.FLOAT), list: numbersTo(data.length / 8)};
   }
 
   resize(width, height) {
@@ -196,22 +182,64 @@ export class Frames {
   /** Takes up a frame: a camera in local units, the size of its picture and a shift of its rays in pixels. */
   begin(camera, width, height, shift) {
     this.resize(width, height);
-    const gl = this.gl, {model, targets: t} = this, [right, up, forward] = camera.axes();
+    const axes = camera.axes(), [right, up, forward] = axes, {model} = this;
     const eye = camera.position.map(x => x / this.unit), parallel = camera.height > 0;
     const pixel = camera.pixel(width, height) / (parallel ? this.unit : 1);
     const box = model.bounds, away = Math.hypot(...box.center.map((c, k) => c / this.unit - eye[k]));
     this.eye = camera.position;
+    this.view = {eye: this.eye, axes, pixel: camera.pixel(width, height), width, height, parallel};
     this.values = {
       slimEye: eye, slimEyeRest: eye.map(x => x - Math.fround(x)), slimAxes: [...right, ...up, ...forward],
       slimScreen: [pixel, width, height, parallel ? 1 : 0], slimShift: shift,
       slimNear: this.page.near / model.scale / this.unit, slimFar: (away + 1.01 * box.radius / this.unit) || 1,
       slimWorld: model.scale * this.unit,
     };
-    gl.viewport(0, 0, width, height);
+    this.cut(null);
+  }
+
+  /** Restricts what follows to a tile of the frame, or to none. */
+  cut(tile) {
+    const gl = this.gl;
+    this.tile = tile;
+    if (tile) gl.scissor(...tile.box);
+    gl[tile ? 'enable' : 'disable'](gl.SCISSOR_TEST);
+  }
+
+  /** The tiles of the frame: whoever draws them need not wait for long. */
+  tiles() { return tilesOf(this.view, this.model, this.model.count, (i, depth) => this.radiusOf(i, depth), MARGIN, TILE); }
+
+  /** The pieces that a frame shows, from front to back. faces: those that face the viewer alone */
+  seen(faces) {
+    const list = [], depths = new Float32Array(this.model.count), {model: {x, y, z, normal: n}, view: {eye, axes: [, , forward], parallel}} = this;
+    seenBalls(this.view, this.model, this.model.count, (i, depth) => this.radiusOf(i, depth), MARGIN, (i, left, top, right, bottom, depth) => {
+      const ray = parallel ? forward : [x[i] - eye[0], y[i] - eye[1], z[i] - eye[2]];
+      const facing = n[3 * i] * ray[0] + n[3 * i + 1] * ray[1] + n[3 * i + 2] * ray[2];
+      if (!faces || facing < AWAY * length(ray)) list.push(i);
+      depths[i] = depth;
+    });
+    return Uint32Array.from(list).sort((a, b) => depths[a] - depths[b]);
+  }
+
+  /** Lets the frame's rays, or the tile's, begin. */
+  start() {
+    const gl = this.gl, t = this.targets;
+    gl.viewport(0, 0, t.width, t.height);
     gl.disable(gl.BLEND);
     this.clear(t.into.result, [0, 0, 0, 0], [0, 0, 0, 0], [NOTHING, 0, 0, 0]);
     this.round = 0;
     this.isNamed = this.isPainted = false;
+  }
+
+  /** Begins what of all pieces is in front in a draft, into a target, and lets it be drawn. */
+  drawFronts(frame, colors, draw) {
+    const gl = this.gl;
+    this.clear(frame, ...colors);
+    gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    if (this.rules.clip) this.leaveBox();
+    gl.depthFunc(gl.LESS);
+    gl.enable(gl.DEPTH_TEST);
+    draw();
+    gl.disable(gl.DEPTH_TEST);
   }
 
   clear(frame, ...colors) {
@@ -244,10 +272,16 @@ export class Frames {
     gl.disable(gl.DEPTH_TEST);
   }
 
+  /** What a look needs besides the rays. */
+  complete(look) {
+    if (look.named) this.nameLeaves();
+    if (look.painted) this.paint();
+  }
+
   /** Adds the frame's colours to the samples, or takes their place. look: mode, table, range, ... */
   shade(look, add) {
     const gl = this.gl, t = this.targets;
-    if (look.named) this.nameLeaves();
+    this.complete(look);
     const slimPainted = look.painted ? this.paint() : t.attributes;
     gl.viewport(0, 0, t.width, t.height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.colors);
@@ -263,18 +297,25 @@ export class Frames {
   present(lineWidth) {
     const gl = this.gl, {width, height} = gl.canvas, canvas = {slimCanvas: [width, height]};
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.SCISSOR_TEST);
     gl.viewport(0, 0, width, height);
     this.drawFrame('present', {slimColors: this.targets.colors}, canvas);
-    if (!this.linePieces.count || !lineWidth) return;
+    if (!this.lines.list.length || !lineWidth) return;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     const slack = 0.004 * this.model.diagonal / this.unit;
     this.programs.lines.use({...this.values, ...canvas, slimWidth: lineWidth, slimSlack: slack},
-      {slimGeometry: this.targets.geometry});
-    gl.bindVertexArray(this.linePieces.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.linePieces.count);
-    gl.bindVertexArray(null);
+      {slimLeaves: this.lines.texture, slimGeometry: this.targets.geometry});
+    this.linePieces.draw(this.lines.list);
     gl.disable(gl.BLEND);
+  }
+
+  /** A target of the tile, four numbers a pixel; waits for it. */
+  readTile(frame) {
+    const gl = this.gl, [x, y, width, height] = this.tile.box, data = new Float32Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.readPixels(x, y, width, height, gl.RGBA, gl.FLOAT, data);
+    return data;
   }
 
   /** The frame's columns, rows from the top: normals and depths (local units, below 0 from behind), principal

@@ -2,6 +2,7 @@
 // A surface's frames: first hits by the depth test, sums of blends, what they give, and behind what is uncovered
 // once more (Ohtake, Belyaev, Alexa 2005, section 3), as visualization/src/opengl does it.
 import {Frames, NOTHING} from './frames.js';
+import {CUBE, numbersTo, Pieces, TENT} from './pieces.js';
 import {surfacePrograms} from './shaders.js';
 import {MOST_SIDE, texels} from './surface.js';
 import {withinTexels} from './textures.js';
@@ -16,13 +17,16 @@ export class SurfaceFrames extends Frames {
     this.reach = Math.min(rules.kMaxShrink, Math.max(0.05, surface.coverRadius));
     const textures = surface.textures && withinTexels(surface.textures, this.mostTexels());
     const packed = texels(surface, rules, this.unit, textures);
-    [this.perLeaf, this.colorAt] = [packed.perLeaf, packed.colorAt];
+    Object.assign(this, {perLeaf: packed.perLeaf, colorAt: packed.colorAt, hullAt: packed.hullAt});
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
     if (textures) this.textures = this.dataTexture(textures.rgb, 3, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE);
-    this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
-    const {box, ...programs} = surfacePrograms(page.constants, !!textures);
-    this.compile(programs, {box});
+    this.hulls = new Pieces(gl, ...CUBE);
+    this.tents = new Pieces(gl, ...TENT);
+    this.all = numbersTo(surface.count);
+    this.allLeaves = this.all.subarray(0, surface.leaves);
+    const {box, tent, draft, ...programs} = surfacePrograms(page.constants, !!textures, !!surface.colored);
+    this.compile(programs, {box, tent, draft});
     this.query = gl.createQuery();
   }
 
@@ -30,28 +34,32 @@ export class SurfaceFrames extends Frames {
   begin(camera, width, height, shift, lod) {
     super.begin(camera, width, height, shift);
     const {surface: s, rules} = this;
+    this.detail = 0.5 * lod * this.view.pixel;
     Object.assign(this.values, {
       slimTexelsOfLeaf: this.perLeaf, slimDegree: s.degree, slimFrontOnly: +rules.front, slimKernel: s.kernel,
       slimCoverRadius: Math.min(1, Math.max(0.05, s.coverRadius)), slimScale: 1,
       slimDetail: 0.5 * lod * this.values.slimScreen[0], slimMostSide: MOST_SIDE,
       slimTrimmed: +(rules.trim && s.trimmed), slimMinCoverage: s.coverThreshold, slimOriented: s.oriented,
-      slimMargin: 0.001, slimColorAt: this.colorAt,
+      slimMargin: 0.001, slimColorAt: this.colorAt, slimHullAt: this.hullAt,
     });
+    this.start();
+  }
+
+  start() {
+    super.start();
     const nearest = this.targets.into.nearest[0];
-    if (rules.clip) this.enterBox(rules.clip, nearest); else this.clear(nearest, [this.values.slimNear, 0, 0, 0]);
+    if (this.rules.clip) this.enterBox(this.rules.clip, nearest); else this.clear(nearest, [this.values.slimNear, 0, 0, 0]);
   }
 
   drawHulls(program, reach, first, textures, values = {}) {
     const gl = this.gl, {leaves, trims} = this;
-    const count = this.values.slimDetail > 0 ? this.surface.count : this.surface.leaves;
+    const whole = this.values.slimDetail > 0 ? this.all : this.allLeaves;
     this.programs[program].use({...this.values, slimReach: reach, slimFirstPass: first, ...values},
       {slimLeaves: leaves, slimTrims: trims, ...textures});
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);
-    gl.bindVertexArray(this.hulls);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, count);
-    gl.bindVertexArray(null);
+    this.hulls.draw(this.tile?.list || whole);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.DEPTH_TEST);
     gl.depthMask(true);
@@ -61,6 +69,7 @@ export class SurfaceFrames extends Frames {
   drawRound() {
     const gl = this.gl, t = this.targets, from = this.round++ % 2;
     this.isNamed = this.isPainted = false;
+    gl.viewport(0, 0, t.width, t.height);
     const nearest = {slimNearest: t.nearest[from]};
     this.clear(t.into.first, [NOTHING, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
@@ -85,10 +94,33 @@ export class SurfaceFrames extends Frames {
     gl.endQuery(gl.ANY_SAMPLES_PASSED);
   }
 
+  /** Radius of a surfel's ball, or below 0 where it has no share in the level of detail at a depth. */
+  radiusOf(i, depth) {
+    const {surface: s, rules, view} = this, isLeaf = i < s.leaves;
+    const detail = this.detail * (view.parallel ? 1 : Math.max(depth, 0));
+    if (isLeaf && !this.detail) return s.radius[i];
+    if (s.own[i] > 1.001 * rules.kDetailFade * detail || s.parent[i] < 0.999 * detail) return -1;
+    return isLeaf ? s.radius[i] : s.radius[i] * rules.kMaxShrink / this.reach;
+  }
+
+  /** In place of the rounds: each pixel shows one leaf. */
+  draft() {
+    const t = this.targets, {leaves: slimLeaves, trims: slimTrims} = this, none = [0, 0, 0, 0];
+    this.start();
+    this.drawFronts(t.into.first, [none], () => {
+      this.program('tent').use({...this.values, slimReach: this.reach, slimFirstPass: 1}, {slimLeaves, slimTrims, slimNearest: t.nearest[0]});
+      this.tents.draw(this.seen(this.rules.front));
+    });
+    this.clear(t.into.draft, none, none, [NOTHING, 0, 0, 0], none, none);
+    this.drawFrame('draft', {slimLeaves, slimChosen: t.first, slimTextures: this.textures});
+    this.isNamed = this.isPainted = true;
+  }
+
   /** Whether rays are left for another round; undefined while the answer is not there. */
   raysLeft() {
     const gl = this.gl;
     if (this.round >= this.rules.kMaxLayers) return false;
+    if (this.tile) return this.readTile(this.targets.into.nearest[this.round % 2]).some((begin, k) => k % 4 === 0 && begin >= 0);
     if (!gl.getQueryParameter(this.query, gl.QUERY_RESULT_AVAILABLE)) return undefined;
     return gl.getQueryParameter(this.query, gl.QUERY_RESULT) !== 0;
   }

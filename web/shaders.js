@@ -21,29 +21,30 @@ export const OUTPUTS = count => `layout(location = 0) out vec4 slimOut[${count}]
 /** A surfel as the box around the part of its polynomial inside its ball. Back faces are drawn: they are
  * there even where the eye is inside. Blends need rays that pass above it, too. Its depth is that of the ball's front, the same all over. */
 const HULL_VERTEX = `
-layout(location = 0) in vec4 slimHeights;  // bounds within the reach of pass 1, and in the whole ball
-layout(location = 1) in float slimSteep;   // bound of the slope
 uniform float slimFar;
 uniform float slimMargin;  // of the bounds
+uniform int slimHullAt;
 
 void main()
 {
-  slimPass(gl_InstanceID);
-  vec4 ball = slimBall, more = slimTexel(gl_InstanceID * slimTexelsOfLeaf + 3);
+  int leaf = gl_VertexID >> 3;
+  slimPass(leaf);
+  vec4 ball = slimBall, more = slimTexel(leaf * slimTexelsOfLeaf + 3);
+  vec4 bounds = slimTexel(leaf * slimTexelsOfLeaf + slimHullAt);  // of heights within the reach of pass 1, and in the whole ball
+  float steep = slimTexel(leaf * slimTexelsOfLeaf + slimHullAt + 1).x;  // bound of the slope
   vec3 w = slimNormal.xyz, u = slimAxis.xyz;
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;
   float depth = dot(center, slimAxes[2]);
   slimTrim = slimTrimOf(more);
   slimPart = slimPartOf(more, depth);
-  if (slimPart.x <= 0.0 || depth < -ball.w || slimTurnedAway(center, w, ball.w, slimSteep)) {
+  if (slimPart.x <= 0.0 || depth < -ball.w || slimTurnedAway(center, w, ball.w, steep)) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
-  int corner = 1 << gl_VertexID;  // of a cube as one strip
-  vec2 heights = slimFirstPass != 0 ? slimHeights.xy : slimHeights.zw;
-  float x = (0x287a & corner) != 0 ? 1.001 : -1.001, y = (0x02af & corner) != 0 ? 1.001 : -1.001;
+  vec2 heights = slimFirstPass != 0 ? bounds.xy : bounds.zw;
+  float x = (gl_VertexID & 1) != 0 ? 1.001 : -1.001, y = (gl_VertexID & 2) != 0 ? 1.001 : -1.001;
   float above = slimFirstPass != 0 ? slimMargin : kMaxShift;
-  float z = (0x31e3 & corner) != 0 ? heights.y + above : heights.x - slimMargin;
+  float z = (gl_VertexID & 4) != 0 ? heights.y + above : heights.x - slimMargin;
   vec3 place = (center + ball.w * (slimReach * (x * u + y * cross(w, u)) + z * w)) * slimAxes;
   float along = slimScreen.w > 0.0 ? 1.0 : place.z;
   float front = (slimScreen.w > 0.0 ? depth : length(center)) - 1.001 * ball.w;
@@ -51,6 +52,98 @@ void main()
                      (2.0 * clamp(front / slimFar, 0.0, 1.0) - 1.0) * along, along);
 }
 `;
+
+/** A surfel as a tent over its plane, at the middle of its heights: of those that overlap the one whose middle is nearest is seen. */
+const TENT_VERTEX = `
+uniform float slimFar;
+uniform int slimHullAt;
+out vec2 slimAt;  // place in the plane, radii
+const float kTent = 0.4;  // height [radii]
+
+void main()
+{
+  int corner = gl_VertexID % 5;
+  slimLeaf = gl_VertexID / 5;
+  vec4 ball = slimTexel(slimLeaf * slimTexelsOfLeaf), more = slimTexel(slimLeaf * slimTexelsOfLeaf + 3);
+  vec3 w = slimTexel(slimLeaf * slimTexelsOfLeaf + 1).xyz, u = slimTexel(slimLeaf * slimTexelsOfLeaf + 2).xyz;
+  vec2 heights = slimTexel(slimLeaf * slimTexelsOfLeaf + slimHullAt).xy;
+  vec3 center = (ball.xyz - slimEye) - slimEyeRest;
+  slimTrim = slimTrimOf(more);
+  slimPart = slimPartOf(more, dot(center, slimAxes[2]));
+  slimAt = corner == 4 ? vec2(0.0) : slimReach * (2.0 * vec2(corner & 1, corner >> 1) - 1.0);
+  vec3 place = (center + ball.w * (slimAt.x * u + slimAt.y * cross(w, u) + 0.5 * (heights.x + heights.y) * w)) * slimAxes;
+  float along = slimScreen.w > 0.0 ? 1.0 : place.z;
+  float depth = (slimScreen.w > 0.0 ? place.z : length(place)) + (corner == 4 ? 0.0 : kTent * ball.w);
+  gl_Position = slimPart.x <= 0.0 ? vec4(2.0, 2.0, 2.0, 1.0)
+      : vec4(2.0 * (vec2(place.x, -place.y) / slimScreen.x - slimShift * along) / slimScreen.yz,
+             (2.0 * clamp(depth / slimFar, 0.0, 1.0) - 1.0) * along, along);
+}
+`;
+
+/** Numbers of leaves: little to write for what others hide. */
+const TENT_FRONT = `
+uniform sampler2D slimNearest;
+uniform float slimReach, slimFar;
+flat in int slimLeaf;
+flat in vec3 slimPart;
+in vec2 slimAt;
+void main()
+{
+  if (gl_FragCoord.z * slimFar < texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x) discard;
+  if (dot(slimAt, slimAt) > slimReach * slimReach || slimOutside(slimPart.z * slimAt.x, slimPart.z * slimAt.y) > 0.5) discard;
+  slimOut[0] = vec4(slimLeaf + 1);
+}
+`;
+
+/** What that leaf has on the ray, without blending: all that a frame's passes give. */
+const DRAFT = `
+uniform sampler2D slimChosen;
+uniform int slimOriented;
+
+void main()
+{
+  int leaf_number = int(texelFetch(slimChosen, ivec2(gl_FragCoord.xy), 0).x) - 1;
+  if (leaf_number < 0) discard;
+  slimPass(leaf_number);
+  slimPart = slimPartOf(slimTexel(leaf_number * slimTexelsOfLeaf + 3), 1.0);
+  vec2 slopes = slimSlopes();
+  vec3 direction = slimDirection(slopes);
+  Leaf leaf = slimReadLeaf(slopes, direction);
+  float a[5];
+  slimAlongRay(leaf, direction, a);
+  float s = -a[0] / a[1], most = sqrt(max(0.0, 1.0 - leaf.distance2));
+  for (int k = 0; k < 2; ++k) s = clamp(s - slimValue(a, s) / slimSlope(a, s), -most, most);
+  if (!(abs(slimValue(a, s)) < kMaxShift)) s = clamp(-dot(leaf.point, leaf.w) / dot(direction, leaf.w), -most, most);
+  float s2 = leaf.distance2 + s * s, depth = leaf.depth + s * leaf.radius;
+  vec3 q = leaf.point + s * direction;
+  float at_u = dot(q, leaf.u), at_v = dot(q, leaf.v);
+  vec2 g;
+  vec3 h;
+  slimJet(leaf, at_u, at_v, g, h);
+  vec3 u = leaf.u, v = leaf.v, normal = leaf.w - g.x * u - g.y * v;
+  float side = dot(normal, direction) > 0.0 && slimFrontOnly == 0 ? -1.0 : 1.0, scale = -side / leaf.radius;
+  slimOut[0] = vec4(side * normalize(normal), slimOriented != 0 && side < 0.0 ? -depth : depth);
+  slimOut[1] = vec4(slimPrincipal(side * normal, scale * (h.x * u * u + 2.0 * h.y * u * v + h.z * v * v),
+      scale * vec3(h.x * u.x * u.y + h.y * (u.x * v.y + v.x * u.y) + h.z * v.x * v.y,
+                   h.x * u.x * u.z + h.y * (u.x * v.z + v.x * u.z) + h.z * v.x * v.z,
+                   h.x * u.y * u.z + h.y * (u.y * v.z + v.y * u.z) + h.z * v.y * v.z)), 0.0, 0.0);
+  slimOut[2] = vec4(depth);
+  slimOut[3] = vec4(0.0, 0.0, leaf.radius / slimPart.z, leaf.share);
+  slimOut[4] = slimDraftColor(at_u, at_v, s2, depth, leaf.radius);
+}
+`;
+
+const DRAFT_COLOR = `
+vec4 slimDraftColor(float u, float v, float s2, float depth, float radius)
+{
+  float terms[20];
+  slimReadColor(terms);
+  float pixel = slimScreen.x * (slimScreen.w > 0.0 ? 1.0 : depth);
+  return vec4(clamp(slimColor(terms, u, v, s2, pixel / radius) / 255.0, 0.0, 1.0), 1.0);
+}
+`;
+
+const NO_COLOR = 'vec4 slimDraftColor(float u, float v, float s2, float depth, float radius) { return vec4(0.0); }';
 
 const FRAME_VERTEX = `
 void main()
@@ -191,8 +284,6 @@ void main()
 
 /** Lines over the surface: a quad for each piece, drawn where the surface is not in front of it. */
 const LINE_VERTEX = `
-layout(location = 0) in vec4 slimFrom;   // place and kind
-layout(location = 1) in vec3 slimTo;
 uniform vec2 slimCanvas;
 uniform float slimWidth;
 out float slimAway, slimSide;
@@ -205,7 +296,9 @@ vec3 slimSeen(vec3 place)
 
 void main()
 {
-  vec3 a = slimSeen(slimFrom.xyz), b = slimSeen(slimTo);
+  int at = 2 * (gl_VertexID >> 2);
+  vec4 from = slimTexel(at);  // place and kind
+  vec3 a = slimSeen(from.xyz), b = slimSeen(slimTexel(at + 1).xyz);
   bool parallel = slimScreen.w > 0.0;
   vec2 size = 0.5 * slimScreen.x * slimScreen.yz;
   vec2 p = a.xy / (parallel ? 1.0 : max(a.z, 1e-6)) / size, q = b.xy / (parallel ? 1.0 : max(b.z, 1e-6)) / size;
@@ -215,7 +308,7 @@ void main()
   slimSide = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
   vec3 place = end ? b : a;
   slimAway = parallel ? place.z : length(place);
-  slimKind = slimFrom.w;
+  slimKind = from.w;
   gl_Position = min(a.z, b.z) <= 0.0 && !parallel ? vec4(2.0, 2.0, 2.0, 1.0)
                                      : vec4((end ? q : p) + slimSide * (slimWidth + 1.0) * aside, 0.0, 1.0);
 }
@@ -245,19 +338,26 @@ vec3 slimTextureTexel(int at) { return 255.0 * texelFetch(slimTextures, ivec2(at
 `;
 
 /** The programs of a surface: [vertex shader, fragment shader] by name. */
-export function surfacePrograms(constants, textured = false) {
+export function surfacePrograms(constants, textured = false, colored = textured) {
   const head = HEAD(constants), es = text => text.replace(/gl_FragData\[(\d)\]/g, 'slimOut[$1]');
   const camera = SHARED.kCameraGlsl, vertexCamera = camera.slice(0, camera.indexOf('vec2 slimSlopes'));
   const hull = head + vertexCamera + SHARED.kSurfel + HULL_VERTEX, frame = head + FRAME_VERTEX;
   const ofLeaves = (outputs, ...parts) => head + OUTPUTS(outputs) + es(camera + SHARED.kLeafGlsl + parts.join(''));
   const ofFrame = (outputs, ...parts) => head + OUTPUTS(outputs) + es(parts.join(''));
+  const colors = [SHARED.kColors, textured ? TEXTURES + SHARED.kTextureColors : SHARED.kPlainColors];
+  const part = (text, begin, end) => text.slice(text.indexOf(begin), text.indexOf(end));
+  /** Of equal uniforms the first. */
+  const once = text => text.replace(/^uniform .*$/gm, (line, at) => text.indexOf(line) < at ? '' : line);
   const renamed = text => text.replace('void main()', 'void slimMain()');
   return {
     first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
     blend: [hull, ofLeaves(5, SHARED.kBlended, SHARED.kTrims, SHARED.kBlendPass)],
     name: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kLeafPass)],
-    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColors, textured ? TEXTURES + SHARED.kTextureColors : SHARED.kPlainColors,
-                           SHARED.kColorPass)],
+    paint: [hull, ofLeaves(1, SHARED.kBlended, ...colors, SHARED.kColorPass)],
+    tent: [head + vertexCamera + SHARED.kSurfel + TENT_VERTEX, ofFrame(1, 'flat in ivec2 slimTrim;\n', SHARED.kTrims, TENT_FRONT)],
+    draft: [frame, once(ofFrame(5, camera, SHARED.kSurfel.replace(/flat out /g, ''), SHARED.kLeafGlsl.replace(/flat in .*/g, ''), SHARED.kBlended,
+                                part(SHARED.kBlendPass, 'void slimJet', 'void slimMiss'), part(SHARED.kResult, 'vec2 slimPrincipal', 'void main'),
+                                ...colored ? [...colors, DRAFT_COLOR] : [NO_COLOR], DRAFT))],
     depths: [frame, head + MET_DEPTH],
     result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],

@@ -3,6 +3,7 @@
 // modules/render/src/discs does it) and what a ray meets.
 import {within} from './box.js';
 import {Frames, NOTHING} from './frames.js';
+import {numbersTo} from './pieces.js';
 import {HEAD, OUTPUTS, surfacePrograms} from './shaders.js';
 import {frameOf, octNormal, Planes} from './surface.js';
 import {along, dot, minus, scaled} from './vectors.js';
@@ -59,13 +60,23 @@ bool slimMeets(vec4 ball, vec3 normal, vec3 direction, vec2 slopes, float pixel,
 }
 `;
 
+const DISC_COLOR = `
+vec3 slimDiscColor(Hit hit, vec3 normal, float radius)
+{
+  vec4 u = slimTexel(5 * slimDisc + 2), color = slimTexel(5 * slimDisc + 3);
+  vec4 more = slimTexel(5 * slimDisc + 4);  // change of red along u and v, of green along u and v
+  vec2 q = radius > 0.0 ? vec2(dot(hit.offset, u.xyz), dot(hit.offset, cross(normal, u.xyz))) / radius : vec2(0.0);
+  return clamp(color.xyz + vec3(dot(more.xy, q), dot(more.zw, q), dot(vec2(u.w, color.w), q)), 0.0, 1.0);
+}
+`;
+
 const VERTEX = `
 uniform float slimFar;
 flat out int slimDisc;
 void main()
 {
-  slimDisc = gl_InstanceID;
-  vec4 ball = slimTexel(5 * gl_InstanceID);
+  slimDisc = gl_VertexID >> 2;
+  vec4 ball = slimTexel(5 * slimDisc);
   vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
   bool parallel = slimScreen.w > 0.0;
   float pixel = slimScreen.x * (parallel ? 1.0 : max(0.0, center.z)), away = length(center);
@@ -104,7 +115,7 @@ const BLEND = begin => `
 uniform float slimNear;
 uniform int slimFrontOnly;
 uniform sampler2D slimFirst, slimNamed, slimNearest;
-${DISC(begin)}
+${DISC(begin)}${DISC_COLOR}
 void main()
 {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -119,16 +130,49 @@ void main()
   if (!slimMeets(ball, normal, slimDirection(slopes), slopes, pixel, hit)) discard;
   float slack = kTolerance * (0.5 * (named.z + ball.w) + pixel);
   if ((hit.depth - first) * max(named.x, hit.cosine) > slack) discard;
-  vec3 u = slimTexel(5 * slimDisc + 2).xyz, v = cross(normal, u), color = slimTexel(5 * slimDisc + 3).xyz;
-  vec4 more = slimTexel(5 * slimDisc + 4);  // change of red along u and v, of green along u and v
-  vec2 blue = vec2(slimTexel(5 * slimDisc + 2).w, slimTexel(5 * slimDisc + 3).w);
-  vec2 q = ball.w > 0.0 ? vec2(dot(hit.offset, u), dot(hit.offset, v)) / ball.w : vec2(0.0);
-  color = clamp(color + vec3(dot(more.xy, q), dot(more.zw, q), dot(blue, q)), 0.0, 1.0);
+  vec3 color = slimDiscColor(hit, normal, ball.w);
   float w = (1.0 - hit.square) * (1.0 - hit.square), side = slimFrontOnly != 0 || hit.front ? w : -w;
   slimOut[0] = vec4(w, w * (hit.depth - first), 0.0, 1.0);
   slimOut[1] = vec4(w * color, 0.0);
   slimOut[2] = vec4(side * normal, 0.0);
   slimOut[3] = slimOut[4] = vec4(0.0);
+}
+`;
+
+/** The disc whose middle is nearest to a ray: its number. */
+const DISC_FRONT = begin => `
+uniform float slimNear, slimFar;
+uniform sampler2D slimNearest;
+${DISC(begin)}
+void main()
+{
+  vec2 slopes = slimSlopes();
+  vec4 ball = slimTexel(5 * slimDisc);
+  vec3 normal = slimTexel(5 * slimDisc + 1).xyz;
+  Hit hit;
+  if (!slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit)) discard;
+  slimOut[0] = vec4(slimDisc + 1);
+  gl_FragDepth = clamp((hit.depth + 0.2 * hit.square * ball.w) / slimFar, 0.0, 1.0);
+}
+`;
+
+/** What it has there, without blending. */
+const DISC_DRAFT = `
+uniform sampler2D slimChosen;
+uniform int slimFrontOnly;
+${DISC('0.0').replace('flat in ', '')}${DISC_COLOR}
+void main()
+{
+  slimDisc = int(texelFetch(slimChosen, ivec2(gl_FragCoord.xy), 0).x) - 1;
+  if (slimDisc < 0) discard;
+  vec2 slopes = slimSlopes();
+  vec4 ball = slimTexel(5 * slimDisc);
+  vec3 normal = slimTexel(5 * slimDisc + 1).xyz;
+  Hit hit;
+  slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit);
+  slimOut[0] = vec4(slimFrontOnly != 0 || hit.front ? normal : -normal, hit.depth);
+  slimOut[1] = vec4(slimDiscColor(hit, normal, ball.w), 1.0);
+  slimOut[2] = vec4(hit.depth);
 }
 `;
 
@@ -157,9 +201,11 @@ export class SplatFrames extends Frames {
     const {shade, present, lines, box} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
     const camera = shade[1].slice(shade[1].indexOf('uniform vec3 slimEye;'), shade[1].indexOf('uniform sampler2D slimGeometry'));
     const vertex = head + camera.slice(0, camera.indexOf('vec2 slimSlopes')) + VERTEX;
-    const passes = begin => [[vertex, head + OUTPUTS(2) + camera + FIRST(begin)], [vertex, head + OUTPUTS(5) + camera + BLEND(begin)]];
-    const [first, blend] = passes('slimNear'), [firstInBox, blendInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
-    this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, firstInBox, blendInBox});
+    const passes = begin => [[2, FIRST], [5, BLEND], [1, DISC_FRONT]].map(([outputs, pass]) => [vertex, head + OUTPUTS(outputs) + camera + pass(begin)]);
+    const [first, blend, front] = passes('slimNear'), draft = [frame, head + OUTPUTS(3) + camera + DISC_DRAFT];
+    const [firstInBox, blendInBox, frontInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
+    this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, front, draft, firstInBox, blendInBox, frontInBox});
+    this.all = numbersTo(splats.count);
   }
 
   /** Centre and radius; normal; u axis and change of blue along u; colour and change of blue along v; other changes. */
@@ -177,18 +223,24 @@ export class SplatFrames extends Frames {
   begin(camera, width, height, shift) {
     super.begin(camera, width, height, shift);
     this.values.slimFrontOnly = +this.rules.front;
+    this.start();
+  }
+
+  start() {
+    super.start();
     if (this.rules.clip) this.enterBox(this.rules.clip, this.targets.into.nearest[0]);
   }
 
-  drawDiscs(program, textures) {
+  drawDiscs(program, textures, list = this.tile?.list || this.all) {
     const {clip} = this.rules, slimNearest = this.targets.nearest[0];
     this.program(clip ? `${program}InBox` : program).use(this.values, {slimLeaves: this.discs, ...clip && {slimNearest}, ...textures});
-    this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 4, this.model.count);
+    this.squares.draw(list);
   }
 
   drawRound() {
     const gl = this.gl, t = this.targets;
     ++this.round;
+    gl.viewport(0, 0, t.width, t.height);
     this.clear(t.into.firstNamed, [NOTHING, 0, 0, 0], [0, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
     if (this.rules.clip) this.leaveBox();
@@ -205,6 +257,18 @@ export class SplatFrames extends Frames {
     const [slimSums0, slimSums1, slimSums2] = t.sums;
     this.drawFrame('result', {slimFirst: t.first, slimSums0, slimSums1, slimSums2});
   }
+
+  /** In place of the round: each pixel shows one disc. */
+  draft() {
+    const t = this.targets;
+    this.start();
+    this.drawFronts(t.into.first, [[0, 0, 0, 0]], () => this.drawDiscs('front', {}, this.seen(false)));
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, t.into.result);
+    this.drawFrame('draft', {slimLeaves: this.discs, slimChosen: t.first});
+  }
+
+  /** Radius of the ball around a disc; no disc is narrower than a pixel. */
+  radiusOf(i, depth) { return Math.max(this.model.radius[i], this.view.pixel * (this.view.parallel ? 1 : depth)); }
 
   raysLeft() { return false; }
   nameLeaves() {}

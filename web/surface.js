@@ -197,10 +197,10 @@ function trimWords(map, side) {
 export const MOST_SIDE = 128, TRIM_UNIT = 4096, TEXTURE_UNIT = 65536;
 
 /** A surface as the shaders of visualization/src/glsl read it, lengths in `unit`: texels of four numbers,
- * words of trim tables, and four bounds of heights and a slope for each surfel's hull. textures: those drawn. */
+ * the last two those of a surfel's hull: four bounds of heights and a slope; and words of trim tables. textures: those drawn. */
 export function texels(s, rules, unit, textures) {
-  const colorAt = 4 + Math.ceil(s.stride / 4), perLeaf = colorAt + (s.colored ? Math.ceil(COLOR_TERMS / 4) : 0), data = new Float32Array(4 * perLeaf * s.count);
-  const hulls = new Float32Array(5 * s.count), words = [];
+  const colorAt = 4 + Math.ceil(s.stride / 4), hullAt = colorAt + (s.colored ? Math.ceil(COLOR_TERMS / 4) : 0);
+  const perLeaf = hullAt + 2, data = new Float32Array(4 * perLeaf * s.count), words = [];
   const reach = Math.min(rules.kMaxShrink, Math.max(0.05, s.coverRadius)), inner = rules.kMaxShrink / reach;
   for (let i = 0; i < s.count; ++i) {
     const scale = i < s.leaves ? 1 : inner, r = s.radius[i] * scale, [u, , w] = frameOf(s, i);
@@ -220,9 +220,9 @@ export function texels(s, rules, unit, textures) {
         data.set(place, 4 * (perLeaf * i + colorAt) + COLOR_TERMS);
       }
     }
-    hulls.set([...bounds(c, reach), ...bounds(c, 1), steepest(c)], 5 * i);
+    data.set([...bounds(c, reach), ...bounds(c, 1), steepest(c)], 4 * (perLeaf * i + hullAt));
   }
-  return {perLeaf, colorAt, data, hulls, words: Int32Array.from(words.length ? words : [0])};
+  return {perLeaf, colorAt, hullAt, data, words: Int32Array.from(words.length ? words : [0])};
 }
 
 /** The box around leaves' balls, all of them or those that count, and a ball around it. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn when: coarse frames while something moves, then whole ones, then more samples.
+// What is drawn when: coarse frames while something moves, then whole ones, then more samples. Without a graphics card they are
+// drafts and whole frames tile by tile.
 import {centerOf, cornersOf} from './box.js';
 import {Camera} from './camera.js';
 import {isSoftware} from './frames.js';
@@ -12,7 +13,8 @@ import {along, length, minus, scaled} from './vectors.js';
 export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
                       'color', 'error'];
 const NAMED = ['level', 'size', 'error'], SIGNED = ['mean', 'gauss', 'kmax', 'kmin'];
-const MOST_PIXELS = 2.3e6, REST = 160, SAMPLES = 4;
+const MOST_PIXELS = 2.3e6, REST = 160;
+const GOALS = {card: 30, software: 100}, STEP = 60, SHOWN = 250;  // milliseconds
 
 export class Viewer {
   constructor(gl, surface, page) {
@@ -27,8 +29,9 @@ export class Viewer {
     this.hollows = page.ao;
     this.dark = false;
     this.software = isSoftware(gl);
-    this.coarse = this.software ? 0.2 : 0.5;  // pixels drawn while moving, of the canvas's along an axis
-    this.patience = 2500;                     // milliseconds that a frame of software may take
+    this.coarse = 0.5;  // pixels drawn while moving, of the canvas's along an axis
+    this.finest = 1;    // the same at rest
+    this.samples = 4;   // of every pixel at rest, beside its middle
     this.renderer = new (this.isSplats ? SplatFrames : SurfaceFrames)(gl, surface, this.rules, page);
     this.lastMove = -Infinity;
     this.onFrame = () => {};
@@ -123,9 +126,9 @@ export class Viewer {
   /** Colours changed, rays did not. */
   recolor() {
     this.resting = false;
-    if (this.renderer.values && !this.isMoving()) {
+    if (this.renderer.values && !this.isMoving() && !this.software) {
       this.show(false);
-      if (!this.software) this.work = this.refine();  // whose samples had the old colours
+      this.work = this.refine();  // whose samples had the old colours
     } else {
       this.moved();
     }
@@ -149,7 +152,10 @@ export class Viewer {
     } else {
       this.lastTick = 0;
       if (this.work === null) this.work = this.refine();
-      if (this.work.next().done) this.resting = true; else this.wake();
+      // A processor has done a step when it returns, and events wait meanwhile; a card has just been told.
+      const end = performance.now() + (this.software ? STEP : 0);
+      do this.resting = this.work.next().done; while (!this.resting && performance.now() < end);
+      if (!this.resting) this.wake();
     }
     this.onFrame();
   }
@@ -157,56 +163,85 @@ export class Viewer {
   drawCoarse(now) {
     const begin = performance.now();
     this.work = null;
-    this.drawWhole(this.coarse, this.software ? 1 : 2, Math.max(this.page.lod, this.software ? 3 : 1));
-    if (this.software) this.finish();
+    if (this.software && this.drawn === this.lastMove) return;
+    this.renderer.begin(this.camera, ...this.size(this.coarse), [0, 0], Math.max(this.page.lod, 1));
+    if (this.software) this.renderer.draft();
+    else for (let k = 0; k < 2; ++k) this.renderer.drawRound();
+    this.show(false);
+    if (this.software) {
+      this.finish();
+      this.drawn = this.lastMove = performance.now();  // it rests once it is seen
+    }
     // A frame took as long as the one before it was on the screen.
     const took = this.software ? performance.now() - begin : now - (this.lastTick || now);
     this.lastTick = now;
     if (!(took > 0 && took < 2000)) return;
-    const goal = this.software ? 150 : 30, step = Math.min(1.25, Math.max(0.6, Math.sqrt(goal / took)));
-    if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(this.software ? 0.1 : 0.2, this.coarse * step));
+    const step = Math.min(1.25, Math.max(0.6, Math.sqrt(GOALS[this.software ? 'software' : 'card'] / took)));
+    if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(0.2, this.coarse * step));
   }
 
   /** Waits for the picture. */
   finish() { this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4)); }
 
-  drawWhole(share, rounds, lod) {
-    this.renderer.begin(this.camera, ...this.size(share), [0, 0], lod);
-    for (let k = 0; k < rounds; ++k) this.renderer.drawRound();
-    this.show(false);
-  }
-
   show(add) {
     this.renderer.shade(this.look(), add);
-    this.renderer.present(1.1 * this.canvas.width / this.canvas.clientWidth);
+    this.present();
   }
 
-  /** At rest: samples beside the pixels' centres, a round a frame. Software draws ever finer frames instead, as
-   * long as the next is not likely to take longer than it may. */
+  present() {
+    this.renderer.present(1.1 * this.canvas.width / this.canvas.clientWidth);
+    this.shown = performance.now();
+  }
+
+  /** At rest: samples beside the pixels' centres, a round or some tiles a frame. */
   *refine() {
-    if (this.software) {
-      for (let share = this.coarse, took = 0; ; share = Math.min(1, 2 * share)) {
-        const begin = performance.now();
-        yield* this.sample(share, [0, 0], false);
-        this.finish();
-        took = performance.now() - begin;
-        if (share === 1 || 3 * took > this.patience) return;
-      }
-    }
-    for (let k = 0; k <= SAMPLES; ++k) {
-      yield* this.sample(1, k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0], k > 0);
+    for (let k = 0; k <= this.samples; ++k) {
+      const shift = k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0];
+      this.renderer.begin(this.camera, ...this.size(this.finest), shift, this.page.lod);
+      yield* this.software ? this.sampleTiles(k > 0) : this.sample(k > 0);
     }
   }
 
   /** All rays of a frame to their end; added to the samples before, or in their place. */
-  *sample(share, shift, add) {
-    this.renderer.begin(this.camera, ...this.size(share), shift, this.page.lod);
+  *sample(add) {
     for (let left = true; left;) {
       this.renderer.drawRound();
       if (!add) this.show(false);
       do yield; while ((left = this.renderer.raysLeft()) === undefined);
     }
     this.show(add);
+  }
+
+  /** The same by the processor: tiles take the place of a draft, and are shown now and then. Shade in hollows wants the
+   * whole frame. */
+  *sampleTiles(add) {
+    const {renderer} = this, look = this.look(), tiles = renderer.tiles();
+    if (!add) {
+      renderer.draft();
+      this.show(false);
+      this.finish();
+      yield;
+    }
+    for (const tile of tiles.filter(t => t.list.length)) {
+      renderer.cut(tile);
+      renderer.start();
+      do {
+        renderer.drawRound();
+        yield;
+      } while (renderer.raysLeft());
+      renderer.complete(look);
+      if (add) continue;
+      renderer.shade(look, false);
+      if (performance.now() - this.shown > SHOWN) this.present();
+    }
+    for (const tile of tiles) {
+      renderer.cut(tile);
+      renderer.shade(look, add);
+    }
+    renderer.cut(null);
+    this.present();
+    this.finish();
+    yield;
   }
 
   /** What the ray through a place of the canvas meets, in CSS pixels. */
