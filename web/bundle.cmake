@@ -6,7 +6,7 @@
 # Whoever includes this file gets PCL_SLIM_VIEWER_SOURCES, the files that it reads; nothing is made then.
 # Texts pass through "${...}" alone: no lists, as those split at ';' and join what is in '[ ]'.
 set(web ${CMAKE_CURRENT_LIST_DIR})
-set(scripts vectors box pieces textures surface rays camera views shaders frames renderer splats viewer numbers legend pointers measure clip
+set(scripts vectors box pieces textures surface rays camera views shaders frames tracer renderer splats viewer numbers legend pointers measure clip
   corner link ui)
 set(window ${web}/../visualization/src)
 set(shaders ${window}/glsl/root_glsl.cpp ${window}/glsl/pass_glsl.cpp ${window}/glsl/color_glsl.cpp

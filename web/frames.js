@@ -6,7 +6,7 @@ import {numbersTo, Pieces, seenBalls, SQUARE, tilesOf} from './pieces.js';
 import {along, length, minus, scaled} from './vectors.js';
 
 export const NOTHING = 3e38;
-const ROW = 2048, TILE = 64, MARGIN = 2, AWAY = 0.4;  // tiles and margins in pixels
+const ROW = 2048, TILE = 32, MARGIN = 2, AWAY = 0.4;  // tiles and margins in pixels
 
 /** Why this browser cannot draw, or nothing. */
 export function obstacle(gl) {
@@ -308,14 +308,6 @@ export class Frames {
       {slimLeaves: this.lines.texture, slimGeometry: this.targets.geometry});
     this.linePieces.draw(this.lines.list);
     gl.disable(gl.BLEND);
-  }
-
-  /** A target of the tile, four numbers a pixel; waits for it. */
-  readTile(frame) {
-    const gl = this.gl, [x, y, width, height] = this.tile.box, data = new Float32Array(4 * width * height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.readPixels(x, y, width, height, gl.RGBA, gl.FLOAT, data);
-    return data;
   }
 
   /** The frame's columns, rows from the top: normals and depths (local units, below 0 from behind), principal

@@ -63,7 +63,7 @@ function heightJet(s, i, u, v) {
 }
 
 /** How far outside of its data a leaf is at (u, v): 0 inside, 1 outside, 1/2 on the border. */
-function outsideShare(s, i, u, v) {
+export function outsideShare(s, i, u, v) {
   const side = s.side[i];
   if (!side) return 0;
   const spline = coordinate => {
@@ -81,9 +81,10 @@ function outsideShare(s, i, u, v) {
   return outside;
 }
 
-function kernel(power, s2) {
+export function kernel(power, s2) {
   if (!(s2 < 1)) return 0;
-  if (power < 16) return (1 - s2) ** power;
+  const q = 1 - s2, fourth = q * q * q * q;
+  if (power < 16) return power === 4 ? fourth : power === 7 ? fourth * q * q * q : q ** power;
   return s2 < 0.25 ? Math.exp(-8 * s2) : 16 * Math.exp(-2) * (1 - Math.sqrt(s2)) ** 4;
 }
 
@@ -162,7 +163,7 @@ function isSupported(s, rules, sum) {
 }
 
 /** Principal curvatures of a level set by its gradient and Hessian. */
-function principal(g, h) {
+export function principal(g, h) {
   const n2 = dot(g, g), hg = h.map(row => dot(row, g));
   const mean = 0.5 * (h[0][0] + h[1][1] + h[2][2] - dot(g, hg) / n2) / Math.sqrt(n2);
   const minors = dot(g, [cross(h[1], h[2]), cross(h[2], h[0]), cross(h[0], h[1])].map(row => dot(row, g)));

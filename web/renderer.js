@@ -6,6 +6,7 @@ import {CUBE, numbersTo, Pieces, TENT} from './pieces.js';
 import {surfacePrograms} from './shaders.js';
 import {MOST_SIDE, texels} from './surface.js';
 import {withinTexels} from './textures.js';
+import {Tracer} from './tracer.js';
 
 export class SurfaceFrames extends Frames {
   /** rules: the page's constants with front, trim and near. */
@@ -18,6 +19,7 @@ export class SurfaceFrames extends Frames {
     const textures = surface.textures && withinTexels(surface.textures, this.mostTexels());
     const packed = texels(surface, rules, this.unit, textures);
     Object.assign(this, {perLeaf: packed.perLeaf, colorAt: packed.colorAt, hullAt: packed.hullAt});
+    this.texels = packed.data;
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
     if (textures) this.textures = this.dataTexture(textures.rgb, 3, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE);
@@ -116,11 +118,28 @@ export class SurfaceFrames extends Frames {
     this.isNamed = this.isPainted = true;
   }
 
+  /** All rays of a tile to their end, by the processor, and what a look needs besides. */
+  drawTile(tile, look) {
+    const gl = this.gl, t = this.targets, tracer = this.tracer ||= new Tracer(this);
+    if (tracer.values !== this.values) tracer.begin();
+    const {geometry, attributes, met, named} = tracer.trace(tile);
+    const put = (texture, format, data) => {
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, ...tile.box, format, gl.FLOAT, data);
+    };
+    put(t.geometry, gl.RGBA, geometry);
+    put(t.attributes, gl.RG, attributes);
+    put(t.met, gl.RED, met);
+    put(t.named, gl.RGBA, named);
+    this.isNamed = true;
+    this.isPainted = false;
+    this.complete(look);
+  }
+
   /** Whether rays are left for another round; undefined while the answer is not there. */
   raysLeft() {
     const gl = this.gl;
     if (this.round >= this.rules.kMaxLayers) return false;
-    if (this.tile) return this.readTile(this.targets.into.nearest[this.round % 2]).some((begin, k) => k % 4 === 0 && begin >= 0);
     if (!gl.getQueryParameter(this.query, gl.QUERY_RESULT_AVAILABLE)) return undefined;
     return gl.getQueryParameter(this.query, gl.QUERY_RESULT) !== 0;
   }

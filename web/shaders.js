@@ -114,6 +114,7 @@ void main()
   float s = -a[0] / a[1], most = sqrt(max(0.0, 1.0 - leaf.distance2));
   for (int k = 0; k < 2; ++k) s = clamp(s - slimValue(a, s) / slimSlope(a, s), -most, most);
   if (!(abs(slimValue(a, s)) < kMaxShift)) s = clamp(-dot(leaf.point, leaf.w) / dot(direction, leaf.w), -most, most);
+  if (!(abs(slimValue(a, s)) < 1.0)) discard;  // so steep that the plane is no place of it
   float s2 = leaf.distance2 + s * s, depth = leaf.depth + s * leaf.radius;
   vec3 q = leaf.point + s * direction;
   float at_u = dot(q, leaf.u), at_v = dot(q, leaf.v);

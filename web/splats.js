@@ -270,6 +270,11 @@ export class SplatFrames extends Frames {
   /** Radius of the ball around a disc; no disc is narrower than a pixel. */
   radiusOf(i, depth) { return Math.max(this.model.radius[i], this.view.pixel * (this.view.parallel ? 1 : depth)); }
 
+  drawTile() {
+    this.start();
+    this.drawRound();
+  }
+
   raysLeft() { return false; }
   nameLeaves() {}
   paint() { return this.targets.attributes; }

@@ -223,13 +223,9 @@ export class Viewer {
       yield;
     }
     for (const tile of tiles.filter(t => t.list.length)) {
+      yield;
       renderer.cut(tile);
-      renderer.start();
-      do {
-        renderer.drawRound();
-        yield;
-      } while (renderer.raysLeft());
-      renderer.complete(look);
+      renderer.drawTile(tile, look);
       if (add) continue;
       renderer.shade(look, false);
       if (performance.now() - this.shown > SHOWN) this.present();
