@@ -272,16 +272,10 @@ export class Frames {
     gl.disable(gl.DEPTH_TEST);
   }
 
-  /** What a look needs besides the rays. */
-  complete(look) {
-    if (look.named) this.nameLeaves();
-    if (look.painted) this.paint();
-  }
-
   /** Adds the frame's colours to the samples, or takes their place. look: mode, table, range, ... */
   shade(look, add) {
     const gl = this.gl, t = this.targets;
-    this.complete(look);
+    if (look.named) this.nameLeaves();
     const slimPainted = look.painted ? this.paint() : t.attributes;
     gl.viewport(0, 0, t.width, t.height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.colors);

@@ -22,6 +22,7 @@ export class SurfaceFrames extends Frames {
     this.texels = packed.data;
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
+    this.texturesSeen = textures;
     if (textures) this.textures = this.dataTexture(textures.rgb, 3, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE);
     this.hulls = new Pieces(gl, ...CUBE);
     this.tents = new Pieces(gl, ...TENT);
@@ -118,11 +119,11 @@ export class SurfaceFrames extends Frames {
     this.isNamed = this.isPainted = true;
   }
 
-  /** All rays of a tile to their end, by the processor, and what a look needs besides. */
+  /** All rays of a tile to their end, by the processor. */
   drawTile(tile, look) {
     const gl = this.gl, t = this.targets, tracer = this.tracer ||= new Tracer(this);
     if (tracer.values !== this.values) tracer.begin();
-    const {geometry, attributes, met, named} = tracer.trace(tile);
+    const {geometry, attributes, met, named, painted} = tracer.trace(tile, look.painted);
     const put = (texture, format, data) => {
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texSubImage2D(gl.TEXTURE_2D, 0, ...tile.box, format, gl.FLOAT, data);
@@ -131,9 +132,8 @@ export class SurfaceFrames extends Frames {
     put(t.attributes, gl.RG, attributes);
     put(t.met, gl.RED, met);
     put(t.named, gl.RGBA, named);
-    this.isNamed = true;
-    this.isPainted = false;
-    this.complete(look);
+    if (painted) put(t.sums[0], gl.RGBA, painted);
+    this.isNamed = this.isPainted = true;
   }
 
   /** Whether rays are left for another round; undefined while the answer is not there. */

@@ -72,18 +72,29 @@ export function textureWeight(rules, square, blend) {
 }
 
 /** The colour of a surfel's texture at a place of its plane, in its reach: -1 ... 1. */
-export function textureColor({side: sides, begin, rgb}, i, x, y) {
-  const side = sides[i], low = [], part = [];
-  [x, y].forEach((coordinate, k) => {
-    const at = Math.min(side - 1, Math.max(0, 0.5 * side * (coordinate + 1) - 0.5));
-    low[k] = Math.min(at | 0, Math.max(side - 2, 0));
-    part[k] = at - low[k];
-  });
-  const next = side > 1 ? 1 : 0, at = begin[i] + low[1] * side + low[0];
-  return [0, 1, 2].map(c => {
-    const texel = k => rgb[3 * k + c], row = k => texel(k) + part[0] * (texel(k + next) - texel(k));
-    return row(at) + part[1] * (row(at + next * side) - row(at));
-  });
+export function textureColor({side: sides, begin, rgb}, i, x, y, color = [0, 0, 0]) {
+  const side = sides[i], last = side - 1, column = Math.min(last, Math.max(0, 0.5 * side * (x + 1) - 0.5));
+  const row = Math.min(last, Math.max(0, 0.5 * side * (y + 1) - 0.5)), next = side > 1 ? 3 : 0, down = next * side;
+  const left = Math.min(column | 0, Math.max(side - 2, 0)), top = Math.min(row | 0, Math.max(side - 2, 0));
+  const a = column - left, b = row - top, first = 3 * (begin[i] + top * side + left);
+  for (let c = 0, at = first; c < 3; ++c, ++at) {
+    const above = rgb[at] + a * (rgb[at + next] - rgb[at]), below = rgb[at + down] + a * (rgb[at + down + next] - rgb[at + down]);
+    color[c] = above + b * (below - above);
+  }
+  return color;
+}
+
+/** The mean over a square, which a pixel shows that is wider than texels. width: in the reach */
+export function meanTextureColor(textures, i, x, y, width, color) {
+  const wide = 0.5 * textures.side[i] * width, taps = wide < 1.5 ? 1 : Math.min(Math.floor(wide + 0.5), 4);
+  if (taps === 1) return textureColor(textures, i, x, y, color);
+  const step = width / taps, first = 0.5 * (step - width), sum = [0, 0, 0];
+  for (let k = 0; k < taps * taps; ++k) {
+    textureColor(textures, i, x + first + step * (k % taps), y + first + step * (k / taps | 0), color);
+    for (let c = 0; c < 3; ++c) sum[c] += color[c];
+  }
+  for (let c = 0; c < 3; ++c) color[c] = sum[c] / (taps * taps);
+  return color;
 }
 
 /** Textures of half as many texels a side. */

@@ -4,7 +4,9 @@
 import {within} from './box.js';
 import {NOTHING} from './frames.js';
 import {kernel, outsideShare, principal} from './rays.js';
+import {meanTextureColor, textureWeight} from './textures.js';
 
+const BLOCK = 8;     // pixels a side whose rays share a list
 const COLUMNS = 17;  // of a surfel in a view: centre from the eye, radius; w, u, v; weight, cover, trim, nearest end
 const RADIUS = 3, W = 4, U = 7, V = 10, WEIGHT = 13, COVER = 14, TRIM = 15, BEGIN = 16;
 
@@ -132,7 +134,6 @@ export class Tracer {
     for (const i of list) {
       const at = COLUMNS * i;
       if (s[at + BEGIN] > first) break;
-      if (!(s[at + WEIGHT] > 0)) continue;
       const cx = s[at] - ox, cy = s[at + 1] - oy, cz = s[at + 2] - oz, radius = s[at + RADIUS];
       const depth = cx * dx + cy * dy + cz * dz, px = (dx * depth - cx) / radius, py = (dy * depth - cy) / radius, pz = (dz * depth - cz) / radius;
       const rest = reach * reach - (px * px + py * py + pz * pz);
@@ -164,7 +165,6 @@ export class Tracer {
     for (const i of list) {
       const at = COLUMNS * i;
       if (s[at + BEGIN] > first) break;
-      if (!(s[at + WEIGHT] > 0)) continue;
       const cx = s[at] - ox, cy = s[at + 1] - oy, cz = s[at + 2] - oz, radius = s[at + RADIUS];
       const depth = cx * dx + cy * dy + cz * dz, hat = (first - depth) / radius;
       const px = (dx * depth - cx) / radius, py = (dy * depth - cy) / radius, pz = (dz * depth - cz) / radius;
@@ -241,23 +241,84 @@ export class Tracer {
     return Object.assign(sum, {weight, shift, clearance, side, leaf, radii, supported, gx, gy, gz, xx, yy, zz, xy, xz, yz});
   }
 
-  /** What the rays of a tile meet: columns of geometry, attributes, met and named. O(pixels x leaves of the tile). */
-  trace({box: [left, top, width, height], list}) {
-    const {frames, columns: s} = this, {rules, surface, values, view, unit} = frames, [right, up, forward] = view.axes;
-    const out = {geometry: new Float32Array(4 * width * height), attributes: new Float32Array(2 * width * height),
-                 met: new Float32Array(width * height).fill(NOTHING), named: new Float32Array(4 * width * height)};
+  /** The mean colour of the leaves around a place of a ray, 0 ... 1. normal: of the side that is seen */
+  colorAt(list, [dx, dy, dz], [ox, oy, oz], place, normal, color) {
+    const {columns: s, frames, c} = this, {rules, surface, values, texturesSeen: textures} = frames, {slimScreen: [pixel, , , parallel]} = values;
+    const one = [0, 0, 0], reach = rules.kTextureReach, wide = pixel * (parallel ? 1 : place);
+    let all = 0, red = 0, green = 0, blue = 0;
+    for (const i of list) {
+      const at = COLUMNS * i;
+      if (s[at + BEGIN] > place) break;
+      const cx = s[at] - ox, cy = s[at + 1] - oy, cz = s[at + 2] - oz, radius = s[at + RADIUS];
+      const depth = cx * dx + cy * dy + cz * dz, root = (place - depth) / radius;
+      const px = (dx * depth - cx) / radius, py = (dy * depth - cy) / radius, pz = (dz * depth - cz) / radius;
+      const s2 = px * px + py * py + pz * pz + root * root;
+      if (!(s2 < 1)) continue;
+      const ux = s[at + U], uy = s[at + U + 1], uz = s[at + U + 2], vx = s[at + V], vy = s[at + V + 1], vz = s[at + V + 2];
+      const wx = s[at + W], wy = s[at + W + 1], wz = s[at + W + 2], z = s[at + TRIM], own2 = z * z * s2, blend = kernel(surface.kernel, s2);
+      const u0 = px * ux + py * uy + pz * uz, v0 = px * vx + py * vy + pz * vz, p = dx * ux + dy * uy + dz * uz, q = dx * vx + dy * vy + dz * vz;
+      this.alongRay(i, u0, v0, px * wx + py * wy + pz * wz, p, q, dx * wx + dy * wy + dz * wz);
+      const faces = !surface.oriented || wx * normal[0] + wy * normal[1] + wz * normal[2] > 0;
+      const isOwn = faces && Math.abs(valueAt(poly, root)) <= rules.kColorGate;
+      const g = s[at + WEIGHT] * (isOwn ? 1 : rules.kOtherSheet) * (textures ? textureWeight(rules, own2, blend) : blend);
+      if (!(g > 0)) continue;
+      const u = u0 + root * p, v = v0 + root * q;
+      if (textures?.side[i] && own2 < reach * reach) {
+        meanTextureColor(textures, i, z * u / reach, z * v / reach, z * wide / radius / reach, one);
+      } else {
+        const k = this.at * i + 4 * frames.colorAt;
+        for (let n = 0; n < 3; ++n) {
+          one[n] = c[k + n] + u * c[k + 3 + n] + v * c[k + 6 + n] + u * u * c[k + 9 + n] + u * v * c[k + 12 + n] + v * v * c[k + 15 + n];
+        }
+      }
+      all += g;
+      red += g * Math.min(255, Math.max(0, one[0]));
+      green += g * Math.min(255, Math.max(0, one[1]));
+      blue += g * Math.min(255, Math.max(0, one[2]));
+    }
+    if (all > 0) color.set([red / all / 255, green / all / 255, blue / all / 255, 1]);
+  }
+
+  /** What the rays of a tile meet: columns of geometry, attributes, met, named and, where it is asked for, painted. O(pixels x leaves of a block). */
+  trace({box: [left, top, width, height], list}, isPainted) {
+    const {columns: s} = this, {rules, values, eye, unit} = this.frames, size = width * height;
+    const out = {geometry: new Float32Array(4 * size), attributes: new Float32Array(2 * size), met: new Float32Array(size).fill(NOTHING),
+                 named: new Float32Array(4 * size), painted: isPainted && new Float32Array(4 * size)};
     const order = Uint32Array.from(list).sort((a, b) => s[COLUMNS * a + BEGIN] - s[COLUMNS * b + BEGIN]);
-    const [pixel] = values.slimScreen, clip = rules.clip?.map(corner => corner.map((x, k) => (x - frames.eye[k]) / unit));
+    const clip = rules.clip?.map(corner => corner.map((x, k) => (x - eye[k]) / unit)), half = BLOCK / 2;
     this.detailed = values.slimDetail > 0;
-    for (let at = 0; at < width * height; ++at) {
-      const x = pixel * (left + at % width + 0.5 + values.slimShift[0] - view.width / 2);
-      const y = -pixel * (top + (at / width | 0) + 0.5 + values.slimShift[1] - view.height / 2);
-      const aside = right.map((r, k) => x * r + y * up[k]), length = Math.hypot(x, y, 1);
-      const direction = view.parallel ? forward : forward.map((f, k) => (f + aside[k]) / length), origin = view.parallel ? aside : [0, 0, 0];
-      const part = clip ? within(clip, origin, direction, values.slimNear) : [values.slimNear, Infinity];
-      if (part) this.traceRay(order, direction, origin, part, at, out);
+    for (let y = 0; y < height; y += BLOCK) {
+      for (let x = 0; x < width; x += BLOCK) {
+        const near = this.nearTo(order, this.ray(left + x + half, top + y + half), Math.SQRT1_2 * BLOCK * values.slimScreen[0]);
+        if (!near.length) continue;
+        for (let at = 0; at < BLOCK * BLOCK; ++at) {
+          const column = x + at % BLOCK, row = y + (at / BLOCK | 0);
+          if (column >= width || row >= height) continue;
+          const [direction, origin] = this.ray(left + column + 0.5, top + row + 0.5);
+          const part = clip ? within(clip, origin, direction, values.slimNear) : [values.slimNear, Infinity];
+          if (part) this.traceRay(near, direction, origin, part, row * width + column, out);
+        }
+      }
     }
     return out;
+  }
+
+  /** Direction and origin, from the eye, of the ray through a place of the picture. */
+  ray(column, row) {
+    const {values: {slimScreen: [pixel], slimShift: shift}, view: {axes: [right, up, forward], width, height, parallel}} = this.frames;
+    const x = pixel * (column + shift[0] - width / 2), y = -pixel * (row + shift[1] - height / 2), length = Math.hypot(x, y, 1);
+    const aside = right.map((r, k) => x * r + y * up[k]);
+    return parallel ? [forward, aside] : [forward.map((f, k) => (f + aside[k]) / length), [0, 0, 0]];
+  }
+
+  /** Those of a list whose balls are within some distance of a ray; at unit depth, in perspective. */
+  nearTo(list, [[dx, dy, dz], [ox, oy, oz]], distance) {
+    const {columns: s} = this, {parallel} = this.frames.view;
+    return list.filter(i => {
+      const at = COLUMNS * i, cx = s[at] - ox, cy = s[at + 1] - oy, cz = s[at + 2] - oz, radius = s[at + RADIUS];
+      const depth = cx * dx + cy * dy + cz * dz, reach = radius + distance * (parallel ? 1 : Math.max(0, depth) + radius);
+      return s[at + WEIGHT] > 0 && cx * cx + cy * cy + cz * cz - depth * depth < reach * reach;
+    });
   }
 
   traceRay(list, direction, origin, [nearest, end], at, out) {
@@ -278,7 +339,9 @@ export class Tracer {
       out.attributes.set(principal(g, h), 2 * at);
       out.met[at] = first;
       out.named.set([0, 0, this.c[leaf + 3] / this.columns[COLUMNS * m.leaf + TRIM], this.c[leaf + 11]], 4 * at);
-      return;
+      if (!out.painted) return;
+      const seen = out.geometry.subarray(4 * at, 4 * at + 3), side = surface.oriented && m.side < 0 ? -1 : 1;
+      return this.colorAt(list, direction, origin, depth, [side * seen[0], side * seen[1], side * seen[2]], out.painted.subarray(4 * at, 4 * at + 4));
     }
   }
 }

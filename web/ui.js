@@ -40,6 +40,8 @@ class Page {
       this.corner.draw();
       $('message').hidden = true;
       document.body.classList.add('ready');
+      // The still picture is better than a draft of the same view.
+      if (!viewer.software || !$('still') || viewer.sampled || viewer.changes > this.opening) document.body.classList.add('drawn');
     };
     const dark = matchMedia('(prefers-color-scheme: dark)');
     const follow = () => { viewer.dark = dark.matches; viewer.recolor(); };
@@ -48,16 +50,20 @@ class Page {
     showLegend(viewer, $);
     this.showFacts();
     this.showProjection();
+    this.fit();
+    this.opening = viewer.changes;
     this.link = new Link(this);
     new ResizeObserver(() => this.fit()).observe(this.canvas);
-    this.fit();
   }
 
-  /** Frames the object between what is above and below it. */
+  /** Frames the object between what is above and below it, in the still picture, too. */
   fit() {
+    const {clientWidth: width, clientHeight: height} = this.canvas, {aspect} = this.viewer.home;
     const taken = Math.max($('title').offsetHeight, document.querySelector('footer').offsetHeight) + 14;
-    const share = Math.max(0.5, 1 - 2 * taken / this.canvas.clientHeight);
-    for (const camera of [this.viewer.camera, this.viewer.home]) camera.share = document.body.classList.contains('bare') ? 1 : share;
+    const share = document.body.classList.contains('bare') ? 1 : Math.max(0.5, 1 - 2 * taken / height);
+    const tall = Math.min(share * height, width / aspect);
+    if ($('still')) $('still').style.padding = `${(height - tall) / 2}px ${(width - aspect * tall) / 2}px`;
+    for (const camera of [this.viewer.camera, this.viewer.home]) camera.share = share;
     this.viewer.fit();
   }
 
@@ -65,7 +71,7 @@ class Page {
     const {count, degree} = this.viewer.surface;
     $('facts').textContent = `${count.toLocaleString('en')} ${this.viewer.isSplats ? 'coloured discs' : `polynomial patches of degree ${degree}`}` +
       (this.page.points ? `, ${this.page.points.toLocaleString('en')} points` : '') +
-      (this.viewer.software ? '; no graphics card: coarse and slow' : '');
+      (this.viewer.software ? '; no graphics card: coarse while it moves' : '');
   }
 
   listen() {
@@ -229,14 +235,13 @@ class Page {
 
   /** Saves the picture as it is on the screen. */
   save() {
-    this.viewer.show(false);
+    this.viewer.present();
     this.canvas.toBlob(blob => {
       const link = Object.assign(document.createElement('a'),
         {href: URL.createObjectURL(blob), download: `${document.title || 'surface'}.png`});
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     });
-    this.viewer.recolor();
   }
 }
 

@@ -32,6 +32,7 @@ export class Viewer {
     this.coarse = 0.5;  // pixels drawn while moving, of the canvas's along an axis
     this.finest = 1;    // the same at rest
     this.samples = 4;   // of every pixel at rest, beside its middle
+    this.sampled = this.changes = 0;
     this.renderer = new (this.isSplats ? SplatFrames : SurfaceFrames)(gl, surface, this.rules, page);
     this.lastMove = -Infinity;
     this.onFrame = () => {};
@@ -118,6 +119,8 @@ export class Viewer {
   /** Something moved: coarse frames until it rests. */
   moved() {
     this.lastMove = performance.now();
+    this.sampled = 0;
+    ++this.changes;
     this.resting = false;
     this.work = null;
     this.wake();
@@ -199,6 +202,7 @@ export class Viewer {
       const shift = k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0];
       this.renderer.begin(this.camera, ...this.size(this.finest), shift, this.page.lod);
       yield* this.software ? this.sampleTiles(k > 0) : this.sample(k > 0);
+      ++this.sampled;
     }
   }
 

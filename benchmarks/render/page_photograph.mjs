@@ -9,9 +9,7 @@ const [chromium, page, out, width, height, ...steps] = process.argv.slice(2);
 const browser = await Browser.launch(chromium, +width, +height);
 const rest = () => browser.until('slim.resting && !slim.isMoving() && !slim.pending', 300);
 await browser.open(resolve(page));
-// As with a graphics card: whole frames, however long a processor takes for them.
-await browser.evaluate(`slim.patience = Infinity; slim.moved();
-  document.getElementById('facts').textContent = document.getElementById('facts').textContent.split(';')[0]`);
+await browser.evaluate(`document.getElementById('facts').textContent = document.getElementById('facts').textContent.split(';')[0]`);
 await rest();
 for (const step of steps) {
   const [x, y] = step.split(',').map(Number);
