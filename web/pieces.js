@@ -12,7 +12,7 @@ export class Pieces {
   }
 
   /** Draws the pieces of a list of numbers, which is not changed afterwards. */
-  draw(list) {
+  draw(list, kind = this.gl.TRIANGLES) {
     const {gl, corners, triangles} = this;
     gl.bindVertexArray(this.array);
     if (list !== this.list) {
@@ -21,7 +21,7 @@ export class Pieces {
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, elements, gl.DYNAMIC_DRAW);
       this.list = list;
     }
-    gl.drawElements(gl.TRIANGLES, triangles.length * list.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(kind, triangles.length * list.length, gl.UNSIGNED_INT, 0);
     gl.bindVertexArray(null);
   }
 }
@@ -30,6 +30,9 @@ export class Pieces {
 export const numbersTo = count => Uint32Array.from({length: count}, (_, i) => i);
 
 export const SQUARE = [4, [0, 1, 2, 2, 1, 3]];  // corners: bit 0 right, bit 1 down
+
+/** One corner: a point. */
+export const POINT = [1, [0]];
 
 /** A square's corners and its middle, number 4. */
 export const TENT = [5, [4, 0, 1, 4, 1, 3, 4, 3, 2, 4, 2, 0]];

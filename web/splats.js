@@ -3,7 +3,7 @@
 // modules/render/src/discs does it) and what a ray meets.
 import {within} from './box.js';
 import {Frames, NOTHING} from './frames.js';
-import {numbersTo} from './pieces.js';
+import {numbersTo, Pieces, POINT} from './pieces.js';
 import {HEAD, OUTPUTS, surfacePrograms} from './shaders.js';
 import {frameOf, octNormal, Planes} from './surface.js';
 import {along, dot, minus, scaled} from './vectors.js';
@@ -93,6 +93,24 @@ void main()
 }
 `;
 
+/** A disc as a point as wide as its ball. */
+const POINT_VERTEX = `
+uniform float slimFar;
+flat out int slimDisc;
+void main()
+{
+  slimDisc = gl_VertexID;
+  vec4 ball = slimTexel(5 * slimDisc);
+  vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
+  bool parallel = slimScreen.w > 0.0;
+  float along = parallel ? 1.0 : center.z, depth = parallel ? center.z : length(center);
+  gl_Position = along <= 0.0 ? vec4(2.0, 2.0, 2.0, 1.0)
+      : vec4(2.0 * (vec2(center.x, -center.y) / slimScreen.x - slimShift * along) / slimScreen.yz,
+             (2.0 * clamp(depth / slimFar, 0.0, 1.0) - 1.0) * along, along);
+  gl_PointSize = 2.0 * ball.w / (slimScreen.x * max(along, 1e-6)) + 2.0;
+}
+`;
+
 /** What a disc's pixel first meets; begin: where rays begin. */
 const FIRST = begin => `
 uniform float slimNear, slimFar;
@@ -139,9 +157,9 @@ void main()
 }
 `;
 
-/** The disc whose middle is nearest to a ray: its number. */
+/** The disc on a ray whose middle is in front: its number. */
 const DISC_FRONT = begin => `
-uniform float slimNear, slimFar;
+uniform float slimNear;
 uniform sampler2D slimNearest;
 ${DISC(begin)}
 void main()
@@ -152,7 +170,6 @@ void main()
   Hit hit;
   if (!slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit)) discard;
   slimOut[0] = vec4(slimDisc + 1);
-  gl_FragDepth = clamp((hit.depth + 0.2 * hit.square * ball.w) / slimFar, 0.0, 1.0);
 }
 `;
 
@@ -200,12 +217,13 @@ export class SplatFrames extends Frames {
     this.discs = this.dataTexture(this.texels(), 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     const {shade, present, lines, box} = surfacePrograms(page.constants), frame = shade[0], head = HEAD(page.constants);
     const camera = shade[1].slice(shade[1].indexOf('uniform vec3 slimEye;'), shade[1].indexOf('uniform sampler2D slimGeometry'));
-    const vertex = head + camera.slice(0, camera.indexOf('vec2 slimSlopes')) + VERTEX;
-    const passes = begin => [[2, FIRST], [5, BLEND], [1, DISC_FRONT]].map(([outputs, pass]) => [vertex, head + OUTPUTS(outputs) + camera + pass(begin)]);
+    const atVertex = head + camera.slice(0, camera.indexOf('vec2 slimSlopes')), vertex = atVertex + VERTEX;
+    const passes = begin => [[2, FIRST, vertex], [5, BLEND, vertex], [1, DISC_FRONT, atVertex + POINT_VERTEX]].map(([outputs, pass, of]) => [of, head + OUTPUTS(outputs) + camera + pass(begin)]);
     const [first, blend, front] = passes('slimNear'), draft = [frame, head + OUTPUTS(3) + camera + DISC_DRAFT];
     const [firstInBox, blendInBox, frontInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
     this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, front, draft, firstInBox, blendInBox, frontInBox});
     this.all = numbersTo(splats.count);
+    this.points = new Pieces(gl, ...POINT);
   }
 
   /** Centre and radius; normal; u axis and change of blue along u; colour and change of blue along v; other changes. */
@@ -231,10 +249,10 @@ export class SplatFrames extends Frames {
     if (this.rules.clip) this.enterBox(this.rules.clip, this.targets.into.nearest[0]);
   }
 
-  drawDiscs(program, textures, list = this.tile?.list || this.all) {
+  drawDiscs(program, textures, draw = () => this.squares.draw(this.tile?.list || this.all)) {
     const {clip} = this.rules, slimNearest = this.targets.nearest[0];
     this.program(clip ? `${program}InBox` : program).use(this.values, {slimLeaves: this.discs, ...clip && {slimNearest}, ...textures});
-    this.squares.draw(list);
+    draw();
   }
 
   drawRound() {
@@ -260,10 +278,10 @@ export class SplatFrames extends Frames {
 
   /** In place of the round: each pixel shows one disc. */
   draft() {
-    const t = this.targets;
+    const gl = this.gl, t = this.targets;
     this.start();
-    this.drawFronts(t.into.first, [[0, 0, 0, 0]], () => this.drawDiscs('front', {}, this.seen(false)));
-    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, t.into.result);
+    this.drawFronts(t.into.first, [[0, 0, 0, 0]], () => this.drawDiscs('front', {}, () => this.points.draw(this.seen(false), gl.POINTS)));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.result);
     this.drawFrame('draft', {slimLeaves: this.discs, slimChosen: t.first});
   }
 

@@ -14,7 +14,7 @@ export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'leve
                       'color', 'error'];
 const NAMED = ['level', 'size', 'error'], SIGNED = ['mean', 'gauss', 'kmax', 'kmin'];
 const MOST_PIXELS = 2.3e6, REST = 160;
-const GOALS = {card: 30, software: 100}, STEP = 60, SHOWN = 250;  // milliseconds
+const STEP = 60, SHOWN = 250;  // milliseconds
 
 export class Viewer {
   constructor(gl, surface, page) {
@@ -179,8 +179,8 @@ export class Viewer {
     const took = this.software ? performance.now() - begin : now - (this.lastTick || now);
     this.lastTick = now;
     if (!(took > 0 && took < 2000)) return;
-    const step = Math.min(1.25, Math.max(0.6, Math.sqrt(GOALS[this.software ? 'software' : 'card'] / took)));
-    if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(0.2, this.coarse * step));
+    const goal = this.software ? 150 : 30, step = Math.min(1.25, Math.max(0.6, Math.sqrt(goal / took)));
+    if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(this.software ? 0.25 : 0.2, this.coarse * step));
   }
 
   /** Waits for the picture. */

@@ -38,7 +38,7 @@ async function open(path, width, height, hash = '') {
   await browser.resize(width, height);
   await browser.open(path, hash);
   // The same frame for the same view, whatever the machine does: pictures are compared.
-  await run('Object.assign(slim, {patience: 0, coarse: 0.12, drawCoarse() { this.work = null; }}).moved()');
+  await run('Object.assign(slim, {finest: 0.12, samples: 0, drawCoarse() { this.work = null; }}).moved()');
   await rest();
 }
 
@@ -191,7 +191,7 @@ async function clip(isSurface) {
   const slack = isSurface ? 0.03 : 0.12;  // discs are blended in the picture
   const whole = await clipped('without a box', slack), middle = (await size()).map(x => x / 2);
   await run('slim.moved()');
-  const before = await picture(), lines = await run('slim.renderer.linePieces.count'), near = await run(`slim.pick(${middle}).depth`);
+  const before = await picture(), lines = await run('slim.renderer.lines.list.length'), near = await run(`slim.pick(${middle}).depth`);
   await push('clip');
   check('k and the button open the panel', await run('!document.getElementById("box").hidden && document.querySelectorAll("path.box").length === 1'));
   check('with six sliders', await run('document.querySelectorAll("#box input").length') === 6);
@@ -204,7 +204,7 @@ async function clip(isSurface) {
   check('what is clipped is not picked', depths[0] !== near, [depths, near]);
   check('less is drawn', await clipped('in a box', slack) < 0.9 * whole, whole);
   if (isSurface) {
-    check('lines are clipped, too', await run('slim.renderer.linePieces.count') < 0.8 * lines && lines > 0, lines);
+    check('lines are clipped, too', await run('slim.renderer.lines.list.length') < 0.8 * lines && lines > 0, lines);
     await press('o');
     await clipped('in a box, parallel');
     await press('o');
@@ -214,7 +214,7 @@ async function clip(isSurface) {
   }
   await push('unclip');
   await press('k');
-  check('Show all shows all', before === await picture() && await run('slim.rules.clip === null && slim.renderer.linePieces.count') === lines);
+  check('Show all shows all', before === await picture() && await run('slim.rules.clip === null && slim.renderer.lines.list.length') === lines);
 }
 
 async function legend() {
