@@ -62,7 +62,7 @@ export class SurfaceFrames extends Frames {
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);
-    this.hulls.draw(this.tile?.list || whole);
+    this.hulls.draw(whole);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.DEPTH_TEST);
     gl.depthMask(true);

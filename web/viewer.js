@@ -14,7 +14,7 @@ export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'leve
                       'color', 'error'];
 const NAMED = ['level', 'size', 'error'], SIGNED = ['mean', 'gauss', 'kmax', 'kmin'];
 const MOST_PIXELS = 2.3e6, REST = 160;
-const STEP = 60, SHOWN = 250;  // milliseconds
+const STEP = 60, SHOWN = 250, STRIP = 100;  // milliseconds; rows of pixels that are shaded at once
 
 export class Viewer {
   constructor(gl, surface, page) {
@@ -184,7 +184,10 @@ export class Viewer {
   }
 
   /** Waits for the picture. */
-  finish() { this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4)); }
+  finish() {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
 
   show(add) {
     this.renderer.shade(this.look(), add);
@@ -232,16 +235,19 @@ export class Viewer {
       renderer.drawTile(tile, look);
       if (add) continue;
       renderer.shade(look, false);
-      if (performance.now() - this.shown > SHOWN) this.present();
+      if (performance.now() - this.shown < SHOWN) continue;
+      this.present();
+      this.finish();
     }
-    for (const tile of tiles) {
-      renderer.cut(tile);
+    const [width, height] = this.size(this.finest);
+    for (let row = 0; row < height; row += STRIP) {
+      yield;
+      renderer.cut({box: [0, row, width, STRIP]});
       renderer.shade(look, add);
+      this.finish();
     }
     renderer.cut(null);
     this.present();
-    this.finish();
-    yield;
   }
 
   /** What the ray through a place of the canvas meets, in CSS pixels. */

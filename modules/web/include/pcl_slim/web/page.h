@@ -33,7 +33,7 @@ struct PageParams {
  * It opens with the picture of renderPicture() and lets its reader turn it, clip it, measure in it, change
  * its mode and read positions, normals and curvatures. camera.size sets the shape of the still picture that is
  * shown where WebGL 2 is missing. Cuts are refused.
- * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, 6 a point with textures, and some 85 KB. The same for every run. */
+ * \return the file's text: 40 bytes a surfel of degree 4, 12 more with colours, 6 a point with textures, and some 100 KB. The same for every run. */
 PCL_SLIM_EXPORT Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
                                                const RenderParams& rendering,
                                                const ShadingParams& shading,
