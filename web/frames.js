@@ -6,7 +6,7 @@ import {numbersTo, Pieces, seenBalls, SQUARE, tilesOf} from './pieces.js';
 import {along, length, minus, scaled} from './vectors.js';
 
 export const NOTHING = 3e38;
-const ROW = 2048, TILE = 32, MARGIN = 2, AWAY = 0.4;  // tiles and margins in pixels
+const ROW = 2048, MARGIN = 2, AWAY = 0.4;  // margin in pixels
 
 /** Why this browser cannot draw, or nothing. */
 export function obstacle(gl) {
@@ -124,6 +124,7 @@ export class Frames {
   constructor(gl, model, unit, page, attributes) {
     Object.assign(this, {gl, model, unit, page, attributes, programs: {}});
     this.canAddFloats = !!gl.getExtension('EXT_float_blend');
+    this.tileSide = 32;
     this.exact = false;  // sums in 32 bits: half floats take half the memory, and normals .03 degrees
     this.lines = {texture: null};
     this.squares = new Pieces(gl, ...SQUARE);
@@ -206,7 +207,7 @@ export class Frames {
   }
 
   /** The tiles of the frame: whoever draws them need not wait for long. */
-  tiles() { return tilesOf(this.view, this.model, this.model.count, (i, depth) => this.radiusOf(i, depth), MARGIN, TILE); }
+  tiles() { return tilesOf(this.view, this.model, this.model.count, (i, depth) => this.radiusOf(i, depth), MARGIN, this.tileSide); }
 
   /** The pieces that a frame shows, from front to back. faces: those that face the viewer alone */
   seen(faces) {

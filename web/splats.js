@@ -222,6 +222,7 @@ export class SplatFrames extends Frames {
     const [first, blend, front] = passes('slimNear'), draft = [frame, head + OUTPUTS(3) + camera + DISC_DRAFT];
     const [firstInBox, blendInBox, frontInBox] = passes('texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x');
     this.compile({shade, present, lines, first, blend, result: [frame, head + OUTPUTS(3) + RESULT]}, {box, front, draft, firstInBox, blendInBox, frontInBox});
+    this.tileSide = 96;  // shaders draw them: some calls each
     this.all = numbersTo(splats.count);
     this.points = new Pieces(gl, ...POINT);
   }

@@ -233,6 +233,7 @@ export class Viewer {
       yield;
       renderer.cut(tile);
       renderer.drawTile(tile, look);
+      if (this.isSplats) this.finish();
       if (add) continue;
       renderer.shade(look, false);
       if (performance.now() - this.shown < SHOWN) continue;
