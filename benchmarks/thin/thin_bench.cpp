@@ -11,6 +11,7 @@
 #include "rivals/jets.h"
 #include "rivals/mls.h"
 #include "support/lab/bench.h"
+#include "thin/thin_cost.h"
 #include "thin/thin_scenes.h"
 
 namespace {
@@ -19,17 +20,18 @@ using namespace pcl_slim;
 using thin::Scene;
 
 struct Settings {
-  std::string noise = "0,0.1,0.3", only;
+  std::string noise = "0,0.1,0.3", only, cost;
   int threads = 1, seed = 1;
   bool rivals = true;
 
-  std::vector<double> noise_list;
+  std::vector<double> noise_list, cost_list;
 };
 
 OptionTable declareOptions(Settings& s) {
   OptionTable options("thin_bench", "1", "Measures fits of thin parts against exact surfaces.");
   options.text("noise", &s.noise, "S,...", "RMS errors along each axis, in spacings");
   options.text("only", &s.only, "TEXT", "scenes whose name begins with it; all if empty");
+  options.text("cost", &s.cost, "N,...", "measure time and memory at these numbers of points");
   options.toggle("rivals", &s.rivals, "run pcl::MovingLeastSquares and CGAL's jets");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the noise");
   options.integer("threads", &s.threads, 0, 4096, "threads of the fit, 0: all cores");
@@ -37,8 +39,12 @@ OptionTable declareOptions(Settings& s) {
 }
 
 Error finishOptions(Settings& s) {
-  if (s.rivals) {
+  if (s.rivals && s.cost.empty()) {
     if (Error error = rivals::requireJets("-rivals 0")) return error;
+  }
+  if (!s.cost.empty()) {
+    if (Error error = measure::parseLists({{"cost", &s.cost, 1000, 1e8, true, &s.cost_list}}))
+      return error;
   }
   return measure::parseLists({{"noise", &s.noise, 0, 10, false, &s.noise_list}});
 }
@@ -139,6 +145,10 @@ Error printRow(const Settings& s, const Scene& scene, double sigma) {
 
 Exit run(Settings& s) {
   if (Error error = finishOptions(s)) return Exit::usage(error);
+  if (!s.cost_list.empty()) {
+    if (Error error = thin::printCosts(s.cost_list, s.only, s.threads, s.seed)) return error;
+    return {};
+  }
   std::printf(
       "RMS distance (leaves) and noise found, in spacings; thick: where it is at least 1 spacing "
       "and 5 "

@@ -10,8 +10,6 @@ namespace pcl_slim::thin {
 
 namespace {
 
-constexpr double kPlate = 70;   ///< edge of a plate
-constexpr double kTube = 250;   ///< length of a tube
 constexpr double kSphere = 20;  ///< radius of the outer sphere
 constexpr double kEdge = 60;    ///< length of a wedge's sides and edge
 constexpr double kGolden = 0.6180339887498949;
@@ -58,38 +56,24 @@ void addWall(Scene& scene, double radius, double height) {
   }
 }
 
-/** The scene turned to no axis: equal coordinates of whole planes are no scanner's. */
-Scene turned(Scene scene) {
-  const Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
-  for (auto* vectors : {&scene.points, &scene.normals}) {
-    for (Vector3& p : *vectors) p = along(along(scaled(u, p[0]), p[1], v), p[2], w);
-  }
-  for (auto* measure : {&scene.distance, &scene.thickness}) {
-    *measure = [u, v, w, straight = *measure](const Vector3& p) {
-      return straight({dot(p, u), dot(p, v), dot(p, w)});
-    };
-  }
-  return scene;
-}
-
 double toSphere(const Vector3& p, const Vector3& middle, double radius) {
   return std::abs(length(subtract(p, middle)) - radius);
 }
 
 }  // namespace
 
-Scene plates(double gap) {
+Scene plates(double gap, double edge) {
   Scene scene{named("plates", gap), {}, {}, {}, {}};
-  addRectangle(scene, {0, 0, gap / 2}, {kPlate, 0, 0}, {0, kPlate, 0}, {0, 0, 1}, 0.1);
-  addRectangle(scene, {0, 0, -gap / 2}, {0, kPlate, 0}, {kPlate, 0, 0}, {0, 0, -1}, 0.35);
+  addRectangle(scene, {0, 0, gap / 2}, {edge, 0, 0}, {0, edge, 0}, {0, 0, 1}, 0.1);
+  addRectangle(scene, {0, 0, -gap / 2}, {0, edge, 0}, {edge, 0, 0}, {0, 0, -1}, 0.35);
   scene.distance = [gap](const Vector3& p) { return std::abs(std::abs(p[2]) - gap / 2); };
   scene.thickness = [gap](const Vector3&) { return gap; };
   return scene;
 }
 
-Scene tube(double radius) {
+Scene tube(double radius, double height) {
   Scene scene{named("tube", radius), {}, {}, {}, {}};
-  addWall(scene, radius, kTube);
+  addWall(scene, radius, height);
   scene.distance = [radius](const Vector3& p) { return std::abs(std::hypot(p[0], p[1]) - radius); };
   scene.thickness = [radius](const Vector3&) { return 2 * radius; };
   return scene;
@@ -153,6 +137,19 @@ Scene pole(double radius) {
         std::hypot(p[0], p[1]) - radius;  // 0 on the wall, whose foot meets the plane
     return out > 1e-6 ? out : std::min(2 * radius, p[2]);
   };
+  return scene;
+}
+
+Scene turned(Scene scene) {
+  const Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
+  for (auto* vectors : {&scene.points, &scene.normals}) {
+    for (Vector3& p : *vectors) p = along(along(scaled(u, p[0]), p[1], v), p[2], w);
+  }
+  for (auto* measure : {&scene.distance, &scene.thickness}) {
+    *measure = [u, v, w, straight = *measure](const Vector3& p) {
+      return straight({dot(p, u), dot(p, v), dot(p, w)});
+    };
+  }
   return scene;
 }
 

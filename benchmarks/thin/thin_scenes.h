@@ -20,11 +20,11 @@ struct Scene {
       thickness;  ///< distance from a point of a side to the other
 };
 
-/** \brief Two parallel plates of 70 x 70 spacings, facing apart. */
-Scene plates(double gap);
+/** \brief Two parallel square plates, facing apart. */
+Scene plates(double gap, double edge = 70);
 
 /** \brief A tube of a radius, open at its ends. */
-Scene tube(double radius);
+Scene tube(double radius, double height = 250);
 
 /** \brief Two spheres about one middle, a gap between them. */
 Scene nestedSpheres(double gap);
@@ -37,6 +37,9 @@ Scene wedge(double degrees);
 
 /** \brief A pole of a radius that stands on a plane. */
 Scene pole(double radius);
+
+/** \brief A scene turned to no axis: equal coordinates of whole planes are no scanner's. */
+Scene turned(Scene scene);
 
 /** \brief All of the scenes above, over the sizes of the table. */
 std::vector<Scene> allScenes();
