@@ -25,12 +25,12 @@ struct Edge {
 class Contraction {
  public:
   Contraction(std::size_t nodes, const std::vector<SignedEdge>& edges)
-      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(edges.size()) {
-    std::transform(edges.begin(), edges.end(), edges_.begin(), [](const SignedEdge& e) {
-      return Edge{e.a, e.b, e.agreement};
-    });
+      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone) {
     for (std::size_t i = 0; i < nodes; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-    sumParallel();
+    sortByEnds(edges, [](const SignedEdge& e) {
+      return Edge{std::min(e.a, e.b), std::max(e.a, e.b), e.agreement};
+    });
+    sumSorted();
   }
 
   void run() {
@@ -116,10 +116,14 @@ class Contraction {
 
   /** Replaces edges between the same two components by their sum. */
   void sumParallel() {
-    for (Edge& e : edges_) {
-      if (e.a > e.b) std::swap(e.a, e.b);
-    }
-    sortByEnds();
+    sorted_.swap(edges_);
+    sortByEnds(sorted_, [](const Edge& e) {
+      return Edge{std::min(e.a, e.b), std::max(e.a, e.b), e.agreement};
+    });
+    sumSorted();
+  }
+
+  void sumSorted() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       const Edge e = edges_[i];
@@ -132,22 +136,23 @@ class Contraction {
     edges_.resize(kept);
   }
 
-  /** Sorts edges by both ends, stably: a counting sort by the first end, then each node's few
-   * edges. */
-  void sortByEnds() {
+  /** Sorts other edges by both ends into edges_, stably: a counting sort by the first end, then each
+   * node's few edges. */
+  template <typename Edges, typename Ordered>
+  void sortByEnds(const Edges& from, const Ordered& ordered) {
     const auto before = [](const Edge& x, const Edge& y) {
       return x.a != y.a ? x.a < y.a : x.b < y.b;
     };
-    if (kFewEdges * edges_.size() < parent_.size()) {
+    edges_.resize(from.size());
+    if (kFewEdges * from.size() < parent_.size()) {
+      std::transform(from.begin(), from.end(), edges_.begin(), ordered);
       std::stable_sort(edges_.begin(), edges_.end(), before);
       return;
     }
     next_.assign(parent_.size() + 1, 0);
-    for (const Edge& e : edges_) ++next_[e.a + 1];
+    for (const auto& e : from) ++next_[ordered(e).a + 1];
     for (std::size_t i = 1; i < next_.size(); ++i) next_[i] += next_[i - 1];
-    sorted_.resize(edges_.size());
-    for (const Edge& e : edges_) sorted_[next_[e.a]++] = e;
-    edges_.swap(sorted_);
+    for (const auto& e : from) edges_[next_[ordered(e).a]++] = ordered(e);
     // Now next_ has the end of each node's edges.
     for (std::size_t i = 0, begin = 0; i + 1 < next_.size(); begin = next_[i++])
       sortFew(begin, next_[i], before);

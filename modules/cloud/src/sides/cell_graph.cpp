@@ -17,7 +17,8 @@ constexpr int kReach = 8;
 constexpr double kLeastCosine = 0.5;  ///< least |cosine| of the normals of two parallel sheets
 
 /** The index of a cell in the list of cells that another has edges to; 0: it is not in the list. */
-std::size_t indexAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants) {
+std::size_t indexAmong(const SheetCells& sheet, std::uint32_t cell,
+                       const SideConstants& constants) {
   const std::size_t most = std::min(sheet.count, constants.edge_neighbors + 1);
   for (std::size_t k = 1; k < sheet.count; ++k) {
     if (sheet.cells[k] == cell) return k < most || sheet.isOther(k) ? k : 0;
@@ -27,17 +28,19 @@ std::size_t indexAmong(const CellSheet& sheet, std::uint32_t cell, const SideCon
 
 /** Adds edges to a cell's nearest cells, and to all of its cells on another sheet. If both cells of
  * a pair have an edge to the other, the one of the lesser index adds the sum. */
-void addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
-                  const SideConstants& constants, std::vector<SignedEdge>& edges) {
-  for (std::size_t k = 1; k < sheet.count; ++k) {
-    const bool apart = sheet.isOther(k);
+void addNearEdges(std::uint32_t cell, const std::vector<CellSheet>& sheets,
+                  const std::vector<SheetCells>& near, const SideConstants& constants,
+                  std::vector<SignedEdge>& edges) {
+  const SheetCells& own = near[cell];
+  for (std::size_t k = 1; k < own.count; ++k) {
+    const bool apart = own.isOther(k);
     if (k > constants.edge_neighbors && !apart) continue;
-    const std::uint32_t other = sheet.cells[k];
-    const std::size_t back = indexAmong(sheets[other], cell, constants);
+    const std::uint32_t other = own.cells[k];
+    const std::size_t back = indexAmong(near[other], cell, constants);
     if (back > 0 && other < cell) continue;
-    const double cosine = dot(sheet.normal, sheets[other].normal);
+    const double cosine = dot(sheets[cell].normal, sheets[other].normal);
     double agreement = apart ? -cosine : cosine;
-    if (back > 0) agreement += sheets[other].isOther(back) ? -cosine : cosine;
+    if (back > 0) agreement += near[other].isOther(back) ? -cosine : cosine;
     edges.push_back({cell, other, agreement, apart});
   }
 }
@@ -62,25 +65,40 @@ void addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<
   }
 }
 
+/** CellGraph::neighbors. */
+std::vector<std::uint32_t> neighborsOnSheets(const std::vector<SheetCells>& near,
+                                             const SideConstants& constants, int threads) {
+  const std::size_t each = constants.edge_neighbors + 1;
+  std::vector<std::uint32_t> neighbors(near.size() * each, SideCells::kNone);
+  parallelFor(near.size(), threads, 4096, [&](std::size_t c, int) {
+    for (std::size_t k = 0; k < std::min(near[c].count, each); ++k)
+      if (!near[c].isOther(k)) neighbors[c * each + k] = near[c].cells[k];
+  });
+  return neighbors;
+}
+
 }  // namespace
 
 CellGraph graphOf(const SideCells& cut, const SideConstants& constants, int threads) {
   constexpr std::size_t kTask = 256;
   const std::size_t n = cut.cells.size(), tasks = (n + kTask - 1) / kTask;
   std::vector<CellSheet> sheets(n);
+  std::vector<SheetCells> near(n);
   parallelFor(tasks, threads, 1, [&](std::size_t t, int) {
     for (std::size_t c = t * kTask; c < std::min(n, (t + 1) * kTask); ++c)
-      sheets[c] = sheetOf(cut, static_cast<std::uint32_t>(c), constants);
+      sheets[c] = sheetOf(cut, static_cast<std::uint32_t>(c), constants, near[c]);
   });
   std::vector<std::vector<SignedEdge>> edges(tasks);
   parallelFor(tasks, threads, 1, [&](std::size_t t, int) {
     for (std::size_t c = t * kTask; c < std::min(n, (t + 1) * kTask); ++c) {
       const auto cell = static_cast<std::uint32_t>(c);
-      addNearEdges(cell, sheets[c], sheets, constants, edges[t]);
+      addNearEdges(cell, sheets, near, constants, edges[t]);
       addFacingEdges(cell, cut, sheets, constants, edges[t]);
     }
   });
   CellGraph graph;
+  graph.neighbors = neighborsOnSheets(near, constants, threads);
+  std::vector<SheetCells>().swap(near);
   std::size_t count = 0;
   for (const auto& part : edges) count += part.size();
   graph.edges.reserve(count);

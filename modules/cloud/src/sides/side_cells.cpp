@@ -227,20 +227,19 @@ bool overlap(const std::array<CellSums, 2>& sides, const Vector3& normal) {
 
 /** Marks the cells of another sheet, if there are two along the normal.
  * \param[out] sides sums over the cell's own sheet and over the other */
-void findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
-               CellSheet& sheet, std::array<CellSums, 2>& sides) {
-  const double total = all[0], mean = dot(meanOf(all), sheet.normal);
-  const TwoSheets two =
-      kernels::separateCells(near, sheet.count, sheet.normal, mean, constants.passes);
+void findOther(const NearCells& near, const CellSums& all, const Vector3& normal,
+               const SideConstants& constants, SheetCells& from, std::array<CellSums, 2>& sides) {
+  const double total = all[0], mean = dot(meanOf(all), normal);
+  const TwoSheets two = kernels::separateCells(near, from.count, normal, mean, constants.passes);
   const double between = two.above * (total - two.above) / total * two.gap * two.gap;
   const double within = std::max(0.0, two.square - between) / total;
   const double least = constants.least_side * total;
   if (!(two.above > least && total - two.above > least)) return;
   if (!(two.gap * two.gap > constants.sheet_distance * constants.sheet_distance * within)) return;
-  const std::uint64_t cells = firstCells(sheet.count);
-  sheet.other = two.higher & 1 ? cells & ~two.higher : two.higher;
-  sides = {kernels::sumCells(near, cells & ~sheet.other), kernels::sumCells(near, sheet.other)};
-  if (!overlap(sides, sheet.normal)) sheet.other = 0;
+  const std::uint64_t cells = firstCells(from.count);
+  from.other = two.higher & 1 ? cells & ~two.higher : two.higher;
+  sides = {kernels::sumCells(near, cells & ~from.other), kernels::sumCells(near, from.other)};
+  if (!overlap(sides, normal)) from.other = 0;
 }
 
 /** A cell in a window, and the squared distance that it is sorted by. */
@@ -312,14 +311,14 @@ std::size_t nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t w
  * flattest plane. Planes do not separate the sides of a rod that is hardly wider than a cell.
  * \return the sheet around the rod's axis, with radial normals; `flat` if there is no rod */
 CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
-                double flattest, const SideConstants& constants, const CellSheet& flat) {
+                double flattest, const SideConstants& constants, const CellSheet& flat,
+                SheetCells& from) {
   constexpr double kFlatnessRatio = 0.5;  // largest ratio of the flatness of a rod and of the plane
   const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
   const bool round =
       spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.round_rod * spreads[1];
   if (!round) return flat;
   CellSheet rod = flat;
-  rod.count = count;
   rod.axis = {main[0], main[1], main[2]};
   const Vector3 middle = meanOf(sums);
   std::array<Vector3, kMost> radii{};
@@ -338,45 +337,49 @@ CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, 
     return flat;
   rod.normal = normalized(rod.radius);
   rod.middle = -length(rod.radius);
-  rod.other = 0;
+  from.count = count;
+  from.other = 0;
   for (std::size_t k = 1; k < count; ++k) {
-    if (dot(radii[k], rod.normal) < 0) rod.other |= std::uint64_t{1} << k;
+    if (dot(radii[k], rod.normal) < 0) from.other |= std::uint64_t{1} << k;
   }
   return rod;
 }
 
 }  // namespace
 
-CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants) {
+CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants,
+                  SheetCells& cells) {
   NearCells near;
   CellSheet best;
   const std::size_t count =
-      nearestCells(cut, cell, std::min(kNeighborhoods.back(), kMost), best.cells, near);
+      nearestCells(cut, cell, std::min(kNeighborhoods.back(), kMost), cells.cells, near);
   double flattest = std::numeric_limits<double>::infinity();
   CellSums sums{};
   Axes axes;  // of all cells summed so far
   std::size_t summed = 0;
   for (const std::size_t size : kNeighborhoods) {
     CellSheet sheet;
-    sheet.count = std::min(size, count);
-    const CellSums added = kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
+    SheetCells from;
+    from.count = std::min(size, count);
+    const CellSums added = kernels::sumCells(near, firstCells(from.count) & ~firstCells(summed));
     for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += added[c];
-    summed = sheet.count;
+    summed = from.count;
     axes = Axes(sums);
     double flatness = setNormal(axes, sheet);
     std::array<CellSums, 2> sides{};
-    findOther(near, sums, constants, sheet, sides);
-    if (sheet.other != 0) {
+    findOther(near, sums, sheet.normal, constants, from, sides);
+    if (from.other != 0) {
       flatness = setNormal(Axes(sides[0]), sheet);
       sheet.middle =
           0.5 * (dot(meanOf(sides[0]), sheet.normal) + dot(meanOf(sides[1]), sheet.normal));
     }
     if (flatness >= flattest) continue;
     flattest = flatness;
-    sheet.cells = best.cells;
+    cells.count = from.count;
+    cells.other = from.other;
     best = sheet;
   }
-  return rodOf(near, count, sums, axes, flattest, constants, best);
+  return rodOf(near, count, sums, axes, flattest, constants, best, cells);
 }
 
 }  // namespace pcl_slim::detail

@@ -89,12 +89,18 @@ TwoSheets separateCells(const NearCells& near, std::size_t count,
 
 }  // namespace kernels
 
-/** \brief The sheet through a cell, estimated from the cells around it. */
-struct CellSheet {
+/** \brief The cells that a cell's sheet is estimated from. */
+struct SheetCells {
   /// The nearest cells, nearest first. The first one is the cell itself.
   std::array<std::uint32_t, SideConstants::kMostNeighbors> cells{};
-  std::size_t count = 0;     ///< number of these that the normal is computed from
-  std::uint64_t other = 0;   ///< one bit for each of them; 1: it is on another sheet, and left out
+  std::size_t count = 0;    ///< number of these that the normal is computed from
+  std::uint64_t other = 0;  ///< one bit for each of them; 1: it is on another sheet, and left out
+
+  bool isOther(std::size_t k) const { return (other >> k & 1) != 0; }
+};
+
+/** \brief The sheet through a cell. */
+struct CellSheet {
   Vector3 normal{};          ///< unit normal of arbitrary sign
   double spread = 0;         ///< variance of the points along the normal
   double middle = HUGE_VAL;  ///< height of the middle of two sheets over the cell's mean
@@ -113,18 +119,20 @@ struct CellSheet {
     const Vector3 from_axis = along(along(offset, -dot(offset, axis), axis), 1, radius);
     return dot(from_axis, from_axis) > 0 ? normalized(from_axis) : normal;
   }
-
-  bool isOther(std::size_t k) const { return (other >> k & 1) != 0; }
 };
 
 /** \brief Finds a cell's sheet: the flattest of several neighbourhoods. Where one contains two
- * sheets, the cells of the other sheet are left out. */
-CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants);
+ * sheets, the cells of the other sheet are left out. \param[out] cells the sheet is estimated from */
+CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants,
+                  SheetCells& cells);
 
 /** \brief Cells with normals of arbitrary sign, and edges between near cells. */
 struct CellGraph {
   std::vector<CellSheet> sheets;
   std::vector<SignedEdge> edges;
+  /// The cells on each cell's sheet among its nearest, itself included; as many for each, kNone where
+  /// there are fewer.
+  std::vector<std::uint32_t> neighbors;
 };
 
 /** \brief Computes the sheet of each cell, and the edges to its nearest cells and to the next sheet

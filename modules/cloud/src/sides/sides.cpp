@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -62,21 +63,20 @@ constexpr double kAgreeingMean = 0.5;
 /** Signed normals of the cells. Each is the mean over the near cells on its sheet if these agree,
  * because the normals of cells of few points are arbitrary. */
 std::vector<Vector3> smoothedNormals(const SideCells& cut, const CellGraph& graph,
-                                     const std::vector<signed char>& signs,
-                                     const SideConstants& constants, int threads) {
+                                     const std::vector<signed char>& signs, int threads) {
   std::vector<Vector3> normals(cut.cells.size());
+  const std::size_t each = graph.neighbors.size() / std::max<std::size_t>(1, normals.size());
   parallelFor(normals.size(), threads, 1024, [&](std::size_t c, int) {
-    const CellSheet& sheet = graph.sheets[c];
     Vector3 sum{};
     double count = 0;
-    for (std::size_t k = 0; k < std::min(sheet.count, constants.edge_neighbors + 1); ++k) {
-      if (sheet.isOther(k)) continue;
-      const std::uint32_t near = sheet.cells[k];
+    for (std::size_t k = c * each; k < (c + 1) * each; ++k) {
+      const std::uint32_t near = graph.neighbors[k];
+      if (near == SideCells::kNone) continue;
       sum = along(sum, signs[near] * cut.cells[near].count, graph.sheets[near].normal);
       count += cut.cells[near].count;
     }
     const bool agree = length(sum) > kAgreeingMean * count;
-    normals[c] = agree ? normalized(sum) : scaled(sheet.normal, signs[c]);
+    normals[c] = agree ? normalized(sum) : scaled(graph.sheets[c].normal, signs[c]);
   });
   return normals;
 }
@@ -186,7 +186,7 @@ std::vector<std::array<float, 3>> normalsOfPoints(const PointStore& store, const
                                                   const SideConstants& constants, int threads,
                                                   double& thin) {
   constexpr std::size_t kTask = 4096;
-  const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
+  const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, threads);
   const std::vector<char> apart = cellsFacingApart(cut, graph, signs);
   std::vector<std::array<float, 3>> points(store.size());
   std::vector<std::size_t> facing((store.size() + kTask - 1) / kTask, 0);
