@@ -155,13 +155,24 @@ HWY_NOINLINE void firstOfMany(const PassContext& context, const TileLeaf& at, co
 template <int D>
 HWY_INLINE void firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block) {
   const LeafRays rays = raysOf(at, block);
-  const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
   Vec low, high;
   Mask open = And(block.pending, rays.chord(context.first_sq, low, high));
   low = Max(low, sigmaOf(at, block.nearest));
   high = Min(high, sigmaOf(at, block.first));
   open = And(open, low < high);
   if (AllFalse(open)) return;
+  const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
+  if (at.leaf->turn == LeafTurn::kFalls) {
+    const Vec zero = set(0.0f), last = f.value(high);
+    open = AndNot(last > zero, open);
+    if (AllFalse(open)) return;
+    const Vec first = f.value(low);
+    open = And(open, first > zero);
+    if (AllFalse(open)) return;
+    const Vec root = fallingRoot<D>(f, {low, first}, {high, last}, open);
+    moveForward(at, rays, open, root, block);
+    return;
+  }
   const Stretch<D> stretch(f, low, high - low);
   const Mask one = And(open, stretch.one(context.front_only));
   if (!AllFalse(one)) {

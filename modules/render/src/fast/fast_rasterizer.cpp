@@ -201,7 +201,11 @@ void FastRasterizer::setUpCluster(std::size_t n, const FrameView& view,
   filler.flushAll();
   place(n, count, view);
   for (std::size_t k = 0; k < count; ++k) {
-    if (drawn[k] < DetailRule::kMeets) record(n * kClusterSize + k).first_x = kFarAway;
+    FrameLeaf& leaf = record(n * kClusterSize + k);
+    const bool behind = rules.front_only && leaf.turn == LeafTurn::kRises;
+    if (drawn[k] < DetailRule::kMeets || (behind && leaf.degree != kNearLeaf)) {
+      leaf.first_x = kFarAway;
+    }
   }
   countHidden(are_leaves, hidden, statistics);
   if (!are_leaves) statistics.coarse_surfels += count;

@@ -133,6 +133,34 @@ struct QuadraticRoots {
   }
 };
 
+/** A point of a polynomial on each ray. */
+struct RayPoint {
+  Vec at, value;
+};
+
+/** The root of a polynomial that is above 0 at left and not above it at right, in lanes where it has
+ * one alone in between: Newton's steps inside a bracket. */
+template <int D>
+HWY_INLINE Vec fallingRoot(const RayPolynomials<D>& f, RayPoint left, RayPoint right,
+                           Mask wanted) {
+  const Vec span = left.value - right.value, zero = set(0.0f);
+  Vec low = left.at, high = right.at;
+  Vec t = MulAdd(high - low, left.value / IfThenElse(wanted, span, set(1.0f)), low);
+  for (int step = 0; step < 12; ++step) {
+    const Vec value = f.value(t), slope = f.slope(t);
+    const Mask before = value > zero;  // the root is behind t
+    low = IfThenElse(before, t, low);
+    high = IfThenElse(before, high, t);
+    Vec next = t - value / slope;
+    const Mask inside = And(next >= low, next <= high);
+    next = IfThenElse(inside, next, set(0.5f) * (low + high));
+    const Mask settled = And(inside, Abs(next - t) < set(1e-4f));
+    t = next;
+    if (AllTrue(Or(settled, Not(wanted)))) break;
+  }
+  return t;
+}
+
 /** A polynomial on a stretch that starts at 0, as f on [0, 1] and by Descartes' rule. */
 template <int D>
 struct Stretch {
