@@ -153,15 +153,28 @@ HWY_NOINLINE void firstOfMany(const PassContext& context, const TileLeaf& at, co
 
 /** Pass 1 of a cubic or quartic leaf. */
 template <int D>
-HWY_INLINE void firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block) {
+HWY_INLINE void firstOfHigher(const PassContext& context, const TileLeaf& at, std::uint32_t place,
+                              Block& block) {
   const LeafRays rays = raysOf(at, block);
-  const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
   Vec low, high;
   Mask open = And(block.pending, rays.chord(context.first_sq, low, high));
   low = Max(low, sigmaOf(at, block.nearest));
   high = Min(high, sigmaOf(at, block.first));
   open = And(open, low < high);
   if (AllFalse(open)) return;
+  const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
+  if (float* kept = context.tile.kept().keep(place)) f.keep(kept);
+  if (at.leaf->turn == LeafTurn::kFalls) {
+    const Vec zero = set(0.0f), last = f.value(high);
+    open = AndNot(last > zero, open);
+    if (AllFalse(open)) return;
+    const Vec first = f.value(low);
+    open = And(open, first > zero);
+    if (AllFalse(open)) return;
+    const Vec root = fallingRoot<D>(f, {low, first}, {high, last}, open);
+    moveForward(at, rays, open, root, block);
+    return;
+  }
   const Stretch<D> stretch(f, low, high - low);
   const Mask one = And(open, stretch.one(context.front_only));
   if (!AllFalse(one)) {
@@ -352,12 +365,24 @@ struct Heights {
   Vec behind;  ///< about kBehind behind q^, to the second order
 };
 
+/** F along each ray, which pass 1 may have kept; of quadratics storing it takes as long as computing
+ * it again. */
+template <int D>
+HWY_INLINE RayPolynomials<D> polynomialsOf(const PassContext& context, std::uint32_t place,
+                                           const LeafRays& rays) {
+  if constexpr (D > 2) {
+    const float* const kept = context.tile.kept().find(place);
+    if (kept) return RayPolynomials<D>(rays.leaf.form(), kept);
+  }
+  return RayPolynomials<D>(rays.leaf.form(), rays.x, rays.y);
+}
+
 /** Where a leaf's own surface crosses each ray next to q^, in the lanes of live; of these, those stay
  * in which it passes q^ by less than kMaxShift. */
 template <int D>
 HWY_INLINE NearRoots crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats,
-                                Vec near_sigma, Mask& live, Heights& heights) {
-  RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
+                                Vec near_sigma, std::uint32_t n, Mask& live, Heights& heights) {
+  RayPolynomials<D> f = polynomialsOf<D>(context, n, rays);
   const Vec step = set(static_cast<float>(kBehind));
   if constexpr (D == 2) {
     heights.at_hat = f.value(hats.sigma) * hats.inverse_m_sq;
@@ -386,8 +411,8 @@ HWY_NOINLINE void addMissed(const PassContext& context, const FrameLeaf& leaf, c
 
 /** Pass 2 of one leaf. */
 template <int D, bool WithOffset>
-HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
-                          BlockSums& sums) {
+HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, std::uint32_t n,
+                          const Block& block, BlockSums& sums) {
   const FrameLeaf& leaf = *place.leaf;
   const LeafRays rays = raysOf(place, block);
   const Hats hats(place, rays, block);
@@ -396,7 +421,7 @@ HWY_INLINE void blendLeaf(const PassContext& context, const TileLeaf& place, con
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
   Heights heights;
-  const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live, heights);
+  const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, n, live, heights);
   // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0
   // would not keep out of the sums: q^ takes its place.
   const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);

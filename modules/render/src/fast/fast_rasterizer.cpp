@@ -201,7 +201,11 @@ void FastRasterizer::setUpCluster(std::size_t n, const FrameView& view,
   filler.flushAll();
   place(n, count, view);
   for (std::size_t k = 0; k < count; ++k) {
-    if (drawn[k] < DetailRule::kMeets) record(n * kClusterSize + k).first_x = kFarAway;
+    FrameLeaf& leaf = record(n * kClusterSize + k);
+    const bool behind = rules.front_only && leaf.turn == LeafTurn::kRises;
+    if (drawn[k] < DetailRule::kMeets || (behind && leaf.degree != kNearLeaf)) {
+      leaf.first_x = kFarAway;
+    }
   }
   countHidden(are_leaves, hidden, statistics);
   if (!are_leaves) statistics.coarse_surfels += count;
@@ -274,23 +278,30 @@ void FastRasterizer::bin(const FrameView& view) {
 }
 
 void FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned columns,
-                          GBuffer& buffer, RenderStatistics& statistics) {
+                          GBuffer& buffer, RenderStatistics& statistics, StageTicks* ticks) {
   const FrameView view(camera, surface_.info.origin, surface_.info.scale);
   const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
   const BallShares shares{
       static_cast<float>(rules.shrink),
       std::max(weightReach(surface_.info.blend_kernel), static_cast<float>(rules.shrink))};
   statistics.leaves += leaves_.size();
-  setUp(view, rules, shares, statistics);
-  sortByDepth(rules);
-  bin(view);
+  {
+    const StageTimer timer(ticks, FrameStage::kSetup);
+    setUp(view, rules, shares, statistics);
+  }
+  {
+    const StageTimer timer(ticks, FrameStage::kSort);
+    sortByDepth(rules);
+    bin(view);
+  }
   statistics.tile_entries += tiles_.entries.size();
 
   const std::vector<FrameCut> cuts = frameCuts(view, rules.cuts);
-  const FrameScene scene{surface_, view,    rays,     rules,   cuts,
-                         shares,   columns, records_, stride_, tiles_};
+  const FrameScene scene{surface_, view,    rays,   rules,           cuts, shares, columns,
+                         records_, stride_, tiles_, ticks != nullptr};
   const auto threads = static_cast<std::size_t>(rules.threads);
   if (scratch_.size() < threads) scratch_.resize(threads);
+  for (TileScratch& own : scratch_) own.ticks = {};
   std::vector<RenderStatistics> parts(threads);
   parallelFor(tiles_.size(), rules.threads, 1, [&](std::size_t t, int thread) {
     const auto own = static_cast<std::size_t>(thread);
@@ -298,6 +309,7 @@ void FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigne
       kernels::drawTile(scene, t, scratch_[own], buffer, parts[own]);
       return;
     }
+    const StageTimer timer(ticks ? &scratch_[own].ticks : nullptr, FrameStage::kOutput);
     const int x0 = static_cast<int>(t) % tiles_.columns * kTileSize;
     const int y0 = static_cast<int>(t) / tiles_.columns * kTileSize;
     const int width = std::min(kTileSize, view.width - x0);
@@ -306,6 +318,8 @@ void FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigne
     }
   });
   for (const RenderStatistics& part : parts) statistics += part;
+  if (!ticks) return;
+  for (const TileScratch& own : scratch_) *ticks += own.ticks;
 }
 
 }  // namespace pcl_slim::detail

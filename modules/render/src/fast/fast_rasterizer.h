@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
+#include "fast/frame_stages.h"
 #include "fast/setup/leaf_setup.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/render/camera.h"
@@ -47,6 +48,7 @@ struct FrameScene {
   const AlignedVector<std::uint8_t>& records;
   std::size_t stride;
   const FrameTiles& tiles;
+  bool timed;  ///< whether threads count the ticks of their stages
 
   const FrameLeaf& leaf(std::uint32_t place) const {
     return *reinterpret_cast<const FrameLeaf*>(records.data() + place * stride);
@@ -87,9 +89,45 @@ struct UncoveredRay {
   float nearest;  ///< where it continues, in the tile's depth
 };
 
+/** \brief What pass 1 computes of leaves on a block's rays, kept for pass 2. */
+class KeptRays {
+ public:
+  static constexpr std::size_t kRow = 16;   ///< lanes
+  static constexpr std::size_t kRows = 4;   ///< of a leaf
+  static constexpr std::size_t kMost = 64;  ///< leaves; 16 KB, the first-level cache has 32
+
+  void beginTile(std::size_t leaves) {
+    slots_.assign(leaves, 0);
+    block_ = 0;
+    values_.resize(kMost * kRows * kRow);
+  }
+  void beginBlock() {
+    ++block_;
+    count_ = 0;
+  }
+  /** \brief Memory for a leaf, or nullptr if there is no more. */
+  float* keep(std::uint32_t place) {
+    if (count_ == kMost) return nullptr;
+    slots_[place] = block_ * kMost + count_;
+    return values_.data() + count_++ * kRows * kRow;
+  }
+  /** \brief What was kept of a leaf in this block, or nullptr. */
+  const float* find(std::uint32_t place) const {
+    const std::uint32_t slot = slots_[place];
+    return slot / kMost == block_ ? values_.data() + slot % kMost * kRows * kRow : nullptr;
+  }
+
+ private:
+  std::uint32_t block_ = 0, count_ = 0;
+  std::vector<std::uint32_t> slots_;  ///< by leaf: block kMost + place in values_
+  AlignedVector<float> values_;
+};
+
 /** \brief One thread's memory for tiles, reused from tile to tile. */
 struct TileScratch {
   std::vector<TileLeaf> leaves;
+  StageTicks ticks;
+  KeptRays kept;
   LeafTable tile;          ///< all leaves
   LeafTable first, blend;  ///< those that one patch's passes may meet
   LeafTable list;          ///< those of one block in one pass
@@ -144,9 +182,10 @@ class FastRasterizer {
  public:
   FastRasterizer(const SLIMSurface& surface, int threads);
 
-  /** \brief Draws a frame. \param[in,out] buffer of the camera's size; every pixel is written */
+  /** \brief Draws a frame. \param[in,out] buffer of the camera's size; every pixel is written
+   * \param[in,out] ticks of all threads are added, if any are asked for */
   void draw(const Camera& camera, const FrameRules& rules, unsigned columns, GBuffer& buffer,
-            RenderStatistics& statistics);
+            RenderStatistics& statistics, StageTicks* ticks = nullptr);
 
  private:
   void setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,

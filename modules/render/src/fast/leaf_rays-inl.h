@@ -8,6 +8,7 @@
 #define PCL_SLIM_LEAF_RAYS_INL
 #endif
 
+#include "fast/fast_rasterizer.h"
 #include "fast/lanes-inl.h"
 #include "fast/setup/leaf_setup.h"
 #include "pcl_slim/leaf/detail/roots.h"
@@ -50,6 +51,17 @@ struct RayPolynomials {
       a[i()] = planeForm<D - i()>(form, x, y);
       form += numCoefficients(D - i());
     });
+  }
+
+  /** As keep() stored it. */
+  HWY_INLINE RayPolynomials(const float* form, const float* kept) {
+    unrolled<D>([&](auto i) HWY_ATTR { a[i()] = load(kept + i() * KeptRays::kRow); });
+    a[D] = set(form[(D + 1) * (D + 2) * (D + 3) / 6 - 1]);
+  }
+
+  /** Stores all coefficients but the last, which is the same on all rays. */
+  HWY_INLINE void keep(float* kept) const {
+    unrolled<D>([&](auto i) HWY_ATTR { store(a[i()], kept + i() * KeptRays::kRow); });
   }
 
   HWY_INLINE Vec value(Vec t) const {
@@ -132,6 +144,33 @@ struct QuadraticRoots {
     rising = IfThenElse(descends, apart, Neg(twice0)) / IfThenElse(descends, twice2, apart);
   }
 };
+
+/** A point of a polynomial on each ray. */
+struct RayPoint {
+  Vec at, value;
+};
+
+/** The root of a polynomial that is above 0 at left and not above it at right, in lanes where it has
+ * one alone in between: Newton's steps inside a bracket. */
+template <int D>
+HWY_INLINE Vec fallingRoot(const RayPolynomials<D>& f, RayPoint left, RayPoint right, Mask wanted) {
+  const Vec span = left.value - right.value, zero = set(0.0f);
+  Vec low = left.at, high = right.at;
+  Vec t = MulAdd(high - low, left.value / IfThenElse(wanted, span, set(1.0f)), low);
+  for (int step = 0; step < 12; ++step) {
+    const Vec value = f.value(t), slope = f.slope(t);
+    const Mask before = value > zero;  // the root is behind t
+    low = IfThenElse(before, t, low);
+    high = IfThenElse(before, high, t);
+    Vec next = t - value / slope;
+    const Mask inside = And(next >= low, next <= high);
+    next = IfThenElse(inside, next, set(0.5f) * (low + high));
+    const Mask settled = And(inside, Abs(next - t) < set(1e-4f));
+    t = next;
+    if (AllTrue(Or(settled, Not(wanted)))) break;
+  }
+  return t;
+}
 
 /** A polynomial on a stretch that starts at 0, as f on [0, 1] and by Descartes' rule. */
 template <int D>

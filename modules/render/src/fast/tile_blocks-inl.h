@@ -69,12 +69,14 @@ class TileBlocks {
     y0 = static_cast<int>(t / columns) * kTileSize;
     width = std::min(kTileSize, scene.view.width - x0);
     height = std::min(kTileSize, scene.view.height - y0);
+    const StageTimer timer(ticks(), FrameStage::kLists);
     placeLeaves(t);
     fillTable();
   }
 
   /** Lists the leaves of a patch. \return whether pass 1 may meet any */
   bool beginPatch(int x, int y) {
+    const StageTimer timer(ticks(), FrameStage::kLists);
     const Tag d;
     const PixelBox box = boxAt(x, y, kPatchSize, kPatchSize);
     const LeafTable& all = scratch_.tile;
@@ -110,11 +112,20 @@ class TileBlocks {
   }
 
   /** The n-th leaf of the last list. */
-  HWY_INLINE const TileLeaf& listed(std::size_t n) const {
+  HWY_INLINE const TileLeaf& listed(std::size_t n) const { return scratch_.leaves[placeOf(n)]; }
+
+  /** The place in the tile of the n-th leaf of the last list. */
+  HWY_INLINE std::uint32_t placeOf(std::size_t n) const {
     std::uint32_t place;
     std::memcpy(&place, scratch_.list.row(kPlaceRow) + n, sizeof place);
-    return scratch_.leaves[place];
+    return place;
   }
+
+  /** Where this thread's ticks are counted, if they are. */
+  StageTicks* ticks() const { return scene_.timed ? &scratch_.ticks : nullptr; }
+
+  /** Leaves on the rays of the block in work. */
+  KeptRays& kept() { return scratch_.kept; }
 
   /** Rays that continue behind their hits, and memory for packing them. */
   std::vector<UncoveredRay>& uncovered() { return scratch_.uncovered; }
@@ -240,6 +251,7 @@ class TileBlocks {
       put(kBlendOfTile + kBallRadius, ball.radius);
     }
     table.count = count;
+    scratch_.kept.beginTile(count);
   }
 
   /** The ball of pass 2, and a little more against rounding. */

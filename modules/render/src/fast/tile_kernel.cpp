@@ -209,14 +209,16 @@ void findFirst(const PassContext& context, Block& block) {
   const bool skip = context.scene.rules.skip;
   const std::size_t count = context.tile.listFirst(block.box);
   std::size_t n = 0;
+  context.tile.kept().beginBlock();
   for (; n < count; ++n) {
     const TileLeaf& at = context.tile.listed(n);
+    const std::uint32_t place = context.tile.placeOf(n);
     if (skip && !reaches(block, at.nearest)) break;
     switch (at.leaf->degree) {
       case kNearLeaf: firstOfNear(context, *at.leaf, block); break;
       case 2: firstOfQuadratic(context, at, block); break;
-      case 3: firstOfHigher<3>(context, at, block); break;
-      default: firstOfHigher<4>(context, at, block); break;
+      case 3: firstOfHigher<3>(context, at, place, block); break;
+      default: firstOfHigher<4>(context, at, place, block); break;
     }
   }
   context.statistics.rays_first += n * kLanes;
@@ -230,11 +232,12 @@ void gather(const PassContext& context, const Ball& around, const Block& block, 
   sums.clear();
   for (std::size_t n = 0; n < count; ++n) {
     const TileLeaf& at = context.tile.listed(n);
+    const std::uint32_t place = context.tile.placeOf(n);
     switch (at.leaf->degree) {
       case kNearLeaf: blendNear(context, *at.leaf, block, sums); break;
-      case 2: blendLeaf<2, WithOffset>(context, at, block, sums); break;
-      case 3: blendLeaf<3, WithOffset>(context, at, block, sums); break;
-      default: blendLeaf<4, WithOffset>(context, at, block, sums); break;
+      case 2: blendLeaf<2, WithOffset>(context, at, place, block, sums); break;
+      case 3: blendLeaf<3, WithOffset>(context, at, place, block, sums); break;
+      default: blendLeaf<4, WithOffset>(context, at, place, block, sums); break;
     }
   }
   context.statistics.rays_blend += count * kLanes;
@@ -278,9 +281,13 @@ HWY_INLINE Mask uncoveredLanes(const PassContext& context, const Block& block,
 /** Both passes over some rays; those whose hit is not on the surface are noted, and have no
  * weight. \return false: no ray meets anything */
 HWY_NOINLINE bool drawLayer(const PassContext& context, Block& block, BlockSums& sums) {
-  findFirst(context, block);
+  {
+    const StageTimer timer(context.tile.ticks(), FrameStage::kFirst);
+    findFirst(context, block);
+  }
   prepareBlend(context, block);
   if (AllFalse(block.pending)) return false;
+  const StageTimer timer(context.tile.ticks(), FrameStage::kBlend);
   gather<false>(context, ballAround(context, block), block, sums);
   const Mask uncovered = uncoveredLanes(context, block, sums);
   if (AllFalse(uncovered)) return true;
@@ -295,7 +302,9 @@ void drawBlock(const PassContext& context, int x, int y, GBuffer& buffer) {
       context.scene, {context.tile, x, y}, buffer, context.statistics};
   Block block = blockAt(context, x, y);
   BlockSums sums;
-  if (!drawLayer(context, block, sums)) return output.writeNothing();
+  const bool met = drawLayer(context, block, sums);
+  const StageTimer timer(context.tile.ticks(), FrameStage::kOutput);
+  if (!met) return output.writeNothing();
   output.write(block, sums);
 }
 
@@ -313,6 +322,7 @@ void drawBehind(const PassContext& context, GBuffer& buffer) {
       Block block = packOf(context, rays, count);
       BlockSums sums;
       if (!drawLayer(context, block, sums)) continue;
+      const StageTimer timer(context.tile.ticks(), FrameStage::kOutput);
       BlockOutput<PackedPixels>{
           context.scene, {context.tile, rays, count, sums}, buffer, context.statistics}
           .write(block, sums);
@@ -333,6 +343,7 @@ void drawPatch(const PassContext& context, int px, int py, GBuffer& buffer) {
 
 /** Marks the pixels of a row of patches from x0 to before x1 as met by nothing. */
 void clearPatches(const TileBlocks& tile, int x0, int x1, int py, GBuffer& buffer) {
+  const StageTimer timer(tile.ticks(), FrameStage::kOutput);
   x1 = std::min(x1, tile.width);
   for (int y = py; y < std::min(py + kPatchSize, tile.height) && x0 < x1; ++y) {
     clearPixels(buffer, buffer.index(tile.x0 + x0, tile.y0 + y), static_cast<std::size_t>(x1 - x0));

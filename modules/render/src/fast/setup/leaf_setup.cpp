@@ -40,6 +40,12 @@ struct FormNorms {
     }
   }
 
+  /** Bound on |grad h - its value at the centre| over a disc. */
+  HWY_INLINE Vec turn(float rho) const {
+    const Vec high = MulAdd(set(4.0f * rho), n[2], set(3.0f) * n[1]);
+    return set(rho) * MulAdd(set(rho), high, set(2.0f) * n[0]);
+  }
+
   /** Bound on |h - its tangent plane at the centre| over a disc. */
   HWY_INLINE Vec bend(float rho) const {
     const Vec high = MulAdd(set(rho), n[2], n[1]);
@@ -52,6 +58,27 @@ struct CentreRay {
   Vec c0, c1, c2;
   Vec uc, vc, wc;  ///< the frame's axes times (x_c, y_c, 1)
   Vec eps;
+};
+
+/** Lanes in which f falls, and those in which it rises, along every ray in the ball of a share of the
+ * radius: the slope along the ray through the centre exceeds what the bends of h and the directions
+ * of the other rays change. */
+struct Turns {
+  Mask falls, rises;
+
+  HWY_INLINE Turns(const CentreRay& ray, const Triple<Vec>& center, const FormNorms& norms,
+                   float rho) {
+    const Vec one = set(1.0f), length = Sqrt(dot3(center, center)), reach = set(rho) * ray.eps;
+    // Between the rays through the centre and at the ball's rim, on the plane z = 1.
+    const Vec aside = length * reach / Max(one - reach, set(1e-3f));
+    const Vec along_plane = Sqrt(MulAdd(ray.uc, ray.uc, ray.vc * ray.vc)) + aside;
+    const Vec gradient = Sqrt(MulAdd(ray.c1, ray.c1, MulAdd(ray.c2, ray.c2, one)));
+    const Vec change = MulAdd(norms.turn(rho), along_plane, aside * gradient);
+    const Vec slope = NegMulAdd(ray.c1, ray.uc, NegMulAdd(ray.c2, ray.vc, ray.wc));
+    const Vec least = MulAdd(set(1e-3f), length, change);
+    falls = Neg(slope) > least;
+    rises = slope > least;
+  }
 };
 
 /** A strip of the picture, in pixels from the centre's. */
@@ -376,6 +403,9 @@ void setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShar
     RayForm<D> form({frame.u.x, frame.u.y, frame.u.z}, {frame.v.x, frame.v.y, frame.v.z},
                     {frame.w.x, frame.w.y, frame.w.z}, heads.xc, heads.yc, heads.eps);
     form.build(c);
+    const Turns turns(ray, center, norms, shares.first);
+    HWY_ALIGN float turned[16];
+    Store(IfThenElse(turns.falls, set(-1.0f), IfThenElseZero(turns.rises, set(1.0f))), d, turned);
     Outlet out;
     constexpr auto kForm = static_cast<std::size_t>(FrameLeaf::formSize(D));
     for (std::size_t k = 0; k < kForm; ++k) out.put(k, form.coefficient(static_cast<int>(k)));
@@ -386,6 +416,9 @@ void setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShar
       leaf.inverse_cover_sq = batch.inverse_cover_sq[lane + i];
       leaf.surfel = batch.surfel[lane + i];
       leaf.degree = view.perspective && !drawable ? kNearLeaf : static_cast<std::uint16_t>(D);
+      leaf.turn = turned[i] < 0.0f   ? LeafTurn::kFalls
+                  : turned[i] > 0.0f ? LeafTurn::kRises
+                                     : LeafTurn::kEither;
       float* target = leaf.form();
       for (std::size_t k = 0; k < kFloats; ++k) target[k] = out.at(k, i);
     }

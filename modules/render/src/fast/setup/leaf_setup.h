@@ -16,6 +16,13 @@
 
 namespace pcl_slim::detail {
 
+/** \brief How f changes along every ray in the ball of pass 1. */
+enum class LeafTurn : std::uint8_t {
+  kEither,  ///< not known
+  kFalls,   ///< it falls: the leaf is seen from the front, and a ray has one root at most
+  kRises    ///< it rises: the leaf is seen from behind
+};
+
 /** \brief A surfel as one frame's rays meet it, in coordinates of its own; set up once a frame.
  *
  * Let z_c be the depth of the centre, X and Y the offset of a ray from it at that depth and
@@ -46,6 +53,7 @@ struct FrameLeaf {
   float inverse_cover_sq;       ///< of the radius in which it covers; 0: wherever it counts
   std::uint32_t surfel;
   std::uint16_t degree;  ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
+  LeafTurn turn;
 
   TrimTable trim;    ///< where the surfel has data
   float trim_scale;  ///< of the ball here, in the surfel's radii, which its trim map counts in
