@@ -368,11 +368,8 @@ CloudSides sidesNearSheets(const SideTask& task, const ThinPlaces& thin, CloudSi
   Sides sides = sidesIn(task.store);
   if (!(sides.thin > 0) || sides.outward_confidence < kLeastConfidence) return unsided;
   settleSides(task.store, sides.on_rods, task.threads, sides.normals);
-  for (std::size_t i = 0; i < sides.normals.size(); ++i) {
-    // With sensors, a point's own beam gives its side.
-    const bool sided = sides.normals[i] != std::array<float, 3>{};
-    if (sided && !task.store.hasSensors()) sides.outward[i] = sides.normals[i];
-  }
+  if (!task.store.hasSensors())  // else a point's own beam gives its side
+    settleSides(task.store, sides.on_rods, task.threads, sides.outward);
   CloudSides result = std::move(unsided);
   result.for_cover = withSides(task.store, sides.normals);
   result.after_cover = withSides(task.store, sides.outward);
