@@ -12,18 +12,18 @@ program=pcl_slim_view
 "$bin/pcl_slim_fit" scan.pcd surface.slim > out.txt
 "$bin/pcl_color_splat_sampling" scan.pcd splats.pcd > out.txt 2> err.txt || true
 
-# Frames of a sensor: a wave that moves on, with noise.
+# Frames of a sensor: a wave that moves on, with noise. The second one's is larger by as much as agrees with the first.
 frame() {
-  awk -v seed="$1" 'BEGIN {
+  awk -v seed="$1" -v noise="$2" 'BEGIN {
     srand(seed); n = 100
     print "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " n "\nHEIGHT " n
     print "VIEWPOINT .5 .5 2 1 0 0 0\nPOINTS " n * n "\nDATA ascii"
     for (y = 0; y < n; ++y) for (x = 0; x < n; ++x)
-      print .01 * x, .01 * y, .05 * sin(.06 * x + seed) + .002 * sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand())
+      print .01 * x, .01 * y, .05 * sin(.06 * x + seed) + noise * sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand())
   }'
 }
-frame 1 > frame1.pcd
-frame 2 > frame2.pcd
+frame 1 .002 > frame1.pcd
+frame 2 .0021 > frame2.pcd
 mkdir frames
 "$bin/pcl_slim_fit" frame1.pcd frame2.pcd -out frames > out.txt
 "$bin/pcl_slim_fit" frame2.pcd alone.slim > out.txt
