@@ -2,7 +2,7 @@
 // Boxes and squares of many surfels or discs in one draw call, and which of them a part of a picture needs.
 
 /** Triangles of equal pieces, whose vertex shaders go by gl_VertexID alone: piece by piece `corners` numbers. Instances of
- * so few triangles take a processor forty times as long. */
+ * so few triangles take a processor four times as long. */
 export class Pieces {
   constructor(gl, corners, triangles) {
     Object.assign(this, {gl, corners, triangles, array: gl.createVertexArray()});
