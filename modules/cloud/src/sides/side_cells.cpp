@@ -312,7 +312,7 @@ std::size_t nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t w
  * \return the sheet around the rod's axis, with radial normals; `flat` if there is no rod */
 CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
                 double flattest, const SideConstants& constants, const CellSheet& flat,
-                SheetCells& from) {
+                SheetCells& cells) {
   constexpr double kFlatnessRatio = 0.5;  // largest ratio of the flatness of a rod and of the plane
   const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
   const bool round =
@@ -337,10 +337,10 @@ CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, 
     return flat;
   rod.normal = normalized(rod.radius);
   rod.middle = -length(rod.radius);
-  from.count = count;
-  from.other = 0;
+  cells.count = count;
+  cells.other = 0;
   for (std::size_t k = 1; k < count; ++k) {
-    if (dot(radii[k], rod.normal) < 0) from.other |= std::uint64_t{1} << k;
+    if (dot(radii[k], rod.normal) < 0) cells.other |= std::uint64_t{1} << k;
   }
   return rod;
 }
