@@ -355,6 +355,8 @@ Error readVertices(BodyReader& in, const PlyElement& element, PointTable& cloud)
     if (property.list_type != 0) continue;
     addField(cloud, property.name, property.type);
   }
+  if (element.count > 0 && cloud.fields.empty())
+    return badInput("the PLY vertices have no numbers; name a file of points with x, y and z");
   if (element.count > 4294967294u)
     return badInput("the PLY header announces more than 2^32 - 2 points");
   if (smallest != 0 && element.count > in.mostValues(smallest)) {
@@ -362,7 +364,7 @@ Error readVertices(BodyReader& in, const PlyElement& element, PointTable& cloud)
   }
   cloud.resize(element.count);
   std::uint8_t* at = cloud.data.data();
-  for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+  for (std::size_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
       if (property.list_type != 0) {
         if (!skipProperty(in, property)) return in.failure("vertex", i, element.count);

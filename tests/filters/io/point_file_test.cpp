@@ -123,6 +123,19 @@ TEST(PointFile, APropertyNamedAsPaddingKeepsItsValues) {
   }
 }
 
+/** Points without fields are no valid PointFile, whatever lists the vertices have. */
+TEST(PointFile, PlyVerticesWithoutNumbersAreAnError) {
+  const TemporaryFolder folder;
+  for (const std::string property : {"", "property list uchar int vertex_indices\n"}) {
+    writeText(folder / "a.ply",
+              "ply\nformat ascii 1.0\nelement vertex 2\n" + property + "end_header\n1 0\n2 0 1\n");
+    const auto file = loadPointFile(folder / "a.ply");
+    ASSERT_FALSE(file);
+    EXPECT_NE(file.error().message.find("vertices have no numbers"), std::string::npos)
+        << file.error().message;
+  }
+}
+
 TEST(PointFile, ReadsBigEndianPly) {
   const TemporaryFolder folder;
   std::string text =
