@@ -37,8 +37,8 @@ class BytesFile {
   std::string path_;
 };
 
-/** Whether a table has all values of another. Fields may have moved and have wider types; a packed
- * colour may have come back as another type. */
+/** Whether a table has all values of another. Fields may have moved and have wider types, and a name
+ * that occurs twice may have got a '_'; a packed colour may have come back as another type. */
 bool hasValuesOf(const PointTable& table, const PointTable& other) {
   const auto at = [](const PointTable& cloud, const PointField& field, std::size_t i,
                      std::size_t k) {
@@ -49,7 +49,8 @@ bool hasValuesOf(const PointTable& table, const PointTable& other) {
   if (table.data == other.data) return true;
   for (const PointField& field : other.fields) {
     if (field.name == "rgb" || field.name == "rgba") continue;
-    const int index = findField(table, field.name);
+    int index = findField(table, field.name);
+    if (index < 0) index = findField(table, field.name + "_");
     if (index < 0) return false;
     const PointField& found = table.fields[static_cast<std::size_t>(index)];
     if (found.count != field.count) return false;
