@@ -8,7 +8,9 @@
 #include <cstring>
 #include <limits>
 #include <sstream>
+#include <string>
 #include <type_traits>
+#include <unordered_set>
 
 #include "io/laz/laz.h"
 #include "io/point_formats.h"
@@ -274,14 +276,16 @@ Result<PointFile> parseBytes(const std::string& path, const std::string& extensi
 
 namespace {
 
-/** Names of fields become words, and comments lines, as all formats can write them. */
+/** Names of fields become words, no two alike, and comments lines, as all formats can write them. */
 void makeWords(PointFile& file) {
+  std::unordered_set<std::string> names;
   for (PointField& field : file.cloud.fields) {
     for (char& c : field.name) {
       if (static_cast<unsigned char>(c) <= ' ' || c == '\x7f') c = '_';
     }
     // A PCD field of the name "_" is padding, which readers drop.
     if (field.name.empty() || field.name == "_") field.name = "unnamed";
+    while (!names.insert(field.name).second) field.name += '_';
   }
   for (std::string& comment : file.comments) {
     for (char& c : comment) {

@@ -123,6 +123,27 @@ TEST(PointFile, APropertyNamedAsPaddingKeepsItsValues) {
   }
 }
 
+/** Readers find fields by their names. */
+TEST(PointFile, FieldsOfOneNameGetNamesOfTheirOwn) {
+  const TemporaryFolder folder;
+  writeText(folder / "a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+            "property float z\nproperty float t\nproperty float t\nproperty float \x13\n"
+            "property float \x14\nend_header\n1 2 3 4 5 6 7\n");
+  const auto file = loadPointFile(folder / "a.ply");
+  ASSERT_TRUE(file) << file.error().message;
+  for (const char* extension : {".pcd", ".ply", ".vtp"}) {
+    const std::string copy = folder / ("b" + std::string(extension));
+    ASSERT_FALSE(savePointFile(copy, *file));
+    const auto again = loadPointFile(copy);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(value(*again, "t", 0), 4.0f) << extension;
+    EXPECT_EQ(value(*again, "t_", 0), 5.0f) << extension;
+    EXPECT_EQ(value(*again, "unnamed", 0), 6.0f) << extension;
+    EXPECT_EQ(value(*again, "unnamed_", 0), 7.0f) << extension;
+  }
+}
+
 /** Points without fields are no valid PointFile, whatever lists the vertices have. */
 TEST(PointFile, PlyVerticesWithoutNumbersAreAnError) {
   const TemporaryFolder folder;
