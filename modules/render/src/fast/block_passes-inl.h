@@ -171,7 +171,9 @@ HWY_INLINE void firstOfHigher(const PassContext& context, const TileLeaf& at, st
     const Vec first = f.value(low);
     open = And(open, first > zero);
     if (AllFalse(open)) return;
-    const Vec root = fallingRoot<D>(f, {low, first}, {high, last}, open);
+    const Vec span = IfThenElse(open, first - last, set(1.0f));
+    const Vec start = MulAdd(high - low, first / span, low);
+    const Vec root = rootInBracket<D>(f, low, high, start, set(1.0f), open);
     moveForward(at, rays, open, root, block);
     return;
   }

@@ -183,7 +183,7 @@ class FastRasterizer {
   FastRasterizer(const SLIMSurface& surface, int threads);
 
   /** \brief Draws a frame. \param[in,out] buffer of the camera's size; every pixel is written
-   * \param[in,out] ticks of all threads are added, if any are asked for */
+   * \param[in,out] ticks are added for all threads; nullptr: nothing is measured */
   void draw(const Camera& camera, const FrameRules& rules, unsigned columns, GBuffer& buffer,
             RenderStatistics& statistics, StageTicks* ticks = nullptr);
 

@@ -145,26 +145,22 @@ struct QuadraticRoots {
   }
 };
 
-/** A point of a polynomial on each ray. */
-struct RayPoint {
-  Vec at, value;
-};
-
-/** The root of a polynomial that is above 0 at left and not above it at right, in lanes where it has
- * one alone in between: Newton's steps inside a bracket. */
+/** The root of a polynomial between two places of each ray, in lanes where it has one alone there:
+ * Newton's steps inside a bracket.
+ * \param[in] sign of the polynomial left of its root \param[in] start a place between the two */
 template <int D>
-HWY_INLINE Vec fallingRoot(const RayPolynomials<D>& f, RayPoint left, RayPoint right, Mask wanted) {
-  const Vec span = left.value - right.value, zero = set(0.0f);
-  Vec low = left.at, high = right.at;
-  Vec t = MulAdd(high - low, left.value / IfThenElse(wanted, span, set(1.0f)), low);
+HWY_INLINE Vec rootInBracket(const RayPolynomials<D>& f, Vec left, Vec right, Vec start, Vec sign,
+                             Mask wanted) {
+  const Vec zero = set(0.0f);
+  Vec t = start;
   for (int step = 0; step < 12; ++step) {
     const Vec value = f.value(t), slope = f.slope(t);
-    const Mask before = value > zero;  // the root is behind t
-    low = IfThenElse(before, t, low);
-    high = IfThenElse(before, high, t);
+    const Mask before = sign * value > zero;  // the root is right of t
+    left = IfThenElse(before, t, left);
+    right = IfThenElse(before, right, t);
     Vec next = t - value / slope;
-    const Mask inside = And(next >= low, next <= high);
-    next = IfThenElse(inside, next, set(0.5f) * (low + high));
+    const Mask inside = And(next >= left, next <= right);
+    next = IfThenElse(inside, next, set(0.5f) * (left + right));
     const Mask settled = And(inside, Abs(next - t) < set(1e-4f));
     t = next;
     if (AllTrue(Or(settled, Not(wanted)))) break;
@@ -220,25 +216,12 @@ struct Stretch {
     return front_only ? AndNot(rises, falls) : Xor(falls, rises);
   }
 
-  /** The root in lanes with one, from 0 to 1: Newton's steps inside a bracket. */
+  /** The root in lanes with one, from 0 to 1. */
   HWY_INLINE Vec root(Mask wanted) const {
     const Vec sign = IfThenElse(rises, set(-1.0f), set(1.0f)), zero = set(0.0f);
-    Vec left = zero, right = set(1.0f);
     const Vec span = first - last;
-    Vec t = first / IfThenElse(span == zero, set(1.0f), span);
-    for (int step = 0; step < 12; ++step) {
-      const Vec value = f.value(t), slope = f.slope(t);
-      const Mask before = sign * value > zero;  // the root is right of t
-      left = IfThenElse(before, t, left);
-      right = IfThenElse(before, right, t);
-      Vec next = t - value / slope;
-      const Mask inside = And(next >= left, next <= right);
-      next = IfThenElse(inside, next, set(0.5f) * (left + right));
-      const Mask settled = And(inside, Abs(next - t) < set(1e-4f));
-      t = next;
-      if (AllTrue(Or(settled, Not(wanted)))) break;
-    }
-    return t;
+    const Vec start = first / IfThenElse(span == zero, set(1.0f), span);
+    return rootInBracket<D>(f, zero, set(1.0f), start, sign, wanted);
   }
 };
 
