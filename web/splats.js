@@ -38,9 +38,15 @@ struct Hit { float depth, cosine, square; vec3 offset; bool front; };
 
 float slimPixelAt(vec3 center) { return slimScreen.x * (slimScreen.w > 0.0 ? 1.0 : max(0.0, dot(center, slimAxes[2]))); }
 
-bool slimMeets(vec4 ball, vec3 normal, vec3 direction, vec2 slopes, float pixel, out Hit hit)
+/** The disc slimDisc and this pixel's ray. pixel: its width there */
+bool slimMeets(out vec4 ball, out vec3 normal, out float pixel, out Hit hit)
 {
+  ball = slimTexel(5 * slimDisc);
+  normal = slimTexel(5 * slimDisc + 1).xyz;
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;
+  pixel = slimPixelAt(center);
+  vec2 slopes = slimSlopes();
+  vec3 direction = slimDirection(slopes);
   if (slimScreen.w > 0.0) center -= slimAxes * vec3(slopes, 0.0);
   float facing = dot(normal, direction), middle = dot(center, direction), radius = ball.w;
   float depth = facing != 0.0 ? dot(normal, center) / facing : 1e30;
@@ -118,11 +124,11 @@ uniform sampler2D slimNearest;
 ${DISC(begin)}
 void main()
 {
-  vec2 slopes = slimSlopes();
-  vec4 ball = slimTexel(5 * slimDisc);
-  vec3 normal = slimTexel(5 * slimDisc + 1).xyz;
+  vec4 ball;
+  vec3 normal;
+  float pixel;
   Hit hit;
-  if (!slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit)) discard;
+  if (!slimMeets(ball, normal, pixel, hit)) discard;
   slimOut[0] = vec4(hit.depth);
   slimOut[1] = vec4(hit.cosine, 0.0, ball.w, 0.0);
   gl_FragDepth = clamp(hit.depth / slimFar, 0.0, 1.0);
@@ -140,12 +146,11 @@ void main()
   float first = texelFetch(slimFirst, at, 0).x;
   if (first > 1e30) discard;
   vec4 named = texelFetch(slimNamed, at, 0);
-  vec2 slopes = slimSlopes();
-  vec4 ball = slimTexel(5 * slimDisc);
-  vec3 normal = slimTexel(5 * slimDisc + 1).xyz, center = (ball.xyz - slimEye) - slimEyeRest;
-  float pixel = slimPixelAt(center);
+  vec4 ball;
+  vec3 normal;
+  float pixel;
   Hit hit;
-  if (!slimMeets(ball, normal, slimDirection(slopes), slopes, pixel, hit)) discard;
+  if (!slimMeets(ball, normal, pixel, hit)) discard;
   float slack = kTolerance * (0.5 * (named.z + ball.w) + pixel);
   if ((hit.depth - first) * max(named.x, hit.cosine) > slack) discard;
   vec3 color = slimDiscColor(hit, normal, ball.w);
@@ -164,11 +169,11 @@ uniform sampler2D slimNearest;
 ${DISC(begin)}
 void main()
 {
-  vec2 slopes = slimSlopes();
-  vec4 ball = slimTexel(5 * slimDisc);
-  vec3 normal = slimTexel(5 * slimDisc + 1).xyz;
+  vec4 ball;
+  vec3 normal;
+  float pixel;
   Hit hit;
-  if (!slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit)) discard;
+  if (!slimMeets(ball, normal, pixel, hit)) discard;
   slimOut[0] = vec4(slimDisc + 1);
 }
 `;
@@ -182,11 +187,11 @@ void main()
 {
   slimDisc = int(texelFetch(slimChosen, ivec2(gl_FragCoord.xy), 0).x) - 1;
   if (slimDisc < 0) discard;
-  vec2 slopes = slimSlopes();
-  vec4 ball = slimTexel(5 * slimDisc);
-  vec3 normal = slimTexel(5 * slimDisc + 1).xyz;
+  vec4 ball;
+  vec3 normal;
+  float pixel;
   Hit hit;
-  slimMeets(ball, normal, slimDirection(slopes), slopes, slimPixelAt((ball.xyz - slimEye) - slimEyeRest), hit);
+  slimMeets(ball, normal, pixel, hit);
   slimOut[0] = vec4(slimFrontOnly != 0 || hit.front ? normal : -normal, hit.depth);
   slimOut[1] = vec4(slimDiscColor(hit, normal, ball.w), 1.0);
   slimOut[2] = vec4(hit.depth);

@@ -10,7 +10,7 @@ const BLOCK = 8;     // pixels a side whose rays share a list
 const COLUMNS = 17;  // of a surfel in a view: centre from the eye, radius; w, u, v; weight, cover, trim, nearest end
 const RADIUS = 3, W = 4, U = 7, V = 10, WEIGHT = 13, COVER = 14, TRIM = 15, BEGIN = 16;
 
-const poly = new Float64Array(5), found = Float64Array.from({length: 5});
+const poly = new Float64Array(5), local = new Float64Array(4), found = Float64Array.from({length: 5});
 const slopes = [0, 1, 2, 3, 4].map(() => new Float64Array(5)), turns = [0, 1, 2, 3, 4].map(() => new Float64Array(5));
 
 const valueAt = (a, x) => a[0] + x * (a[1] + x * (a[2] + x * (a[3] + x * a[4])));
@@ -87,9 +87,20 @@ export class Tracer {
     this.part = i => s[COLUMNS * i + WEIGHT] / c[at * i + 7];
   }
 
-  /** f / r along a ray through a leaf. p: the point nearest to its centre, in radii; d: the direction; both in the leaf's frame */
-  alongRay(i, u, v, w, p, q, r) {
-    const {c} = this, {degree} = this.frames.surface, k = this.at * i + 16;
+  /**
+   * f / r along a ray through a leaf, into poly. x, y, z: the point nearest to its centre, from there, in radii; dx, dy, dz: the
+   * direction. local: both along the leaf's u and v axes.
+   */
+  alongRay(i, x, y, z, dx, dy, dz) {
+    const {c, columns: s} = this, {degree} = this.frames.surface, k = this.at * i + 16, at = COLUMNS * i;
+    const ux = s[at + U], uy = s[at + U + 1], uz = s[at + U + 2], vx = s[at + V], vy = s[at + V + 1], vz = s[at + V + 2];
+    const wx = s[at + W], wy = s[at + W + 1], wz = s[at + W + 2];
+    const u = x * ux + y * uy + z * uz, v = x * vx + y * vy + z * vz, w = x * wx + y * wy + z * wz;
+    const p = dx * ux + dy * uy + dz * uz, q = dx * vx + dy * vy + dz * vz, r = dx * wx + dy * wy + dz * wz;
+    local[0] = u;
+    local[1] = v;
+    local[2] = p;
+    local[3] = q;
     let a0 = c[k] + c[k + 1] * u + c[k + 2] * v, a1 = c[k + 1] * p + c[k + 2] * q, a2 = 0, a3 = 0, a4 = 0;
     if (degree > 1) {
       const x = c[k + 3], y = c[k + 4], z = c[k + 5], gu = 2 * x * u + y * v, gv = y * u + 2 * z * v;
@@ -140,13 +151,10 @@ export class Tracer {
       if (!(rest > 0) || this.detailed && this.part(i) < rules.kDetailMeets) continue;
       const half = Math.sqrt(rest), low = Math.max(-half, (nearest - depth) / radius), high = Math.min(half, (first - depth) / radius);
       if (!(low <= high)) continue;
-      const u = px * s[at + U] + py * s[at + U + 1] + pz * s[at + U + 2], p = dx * s[at + U] + dy * s[at + U + 1] + dz * s[at + U + 2];
-      const v = px * s[at + V] + py * s[at + V + 1] + pz * s[at + V + 2], q = dx * s[at + V] + dy * s[at + V + 1] + dz * s[at + V + 2];
-      const w = px * s[at + W] + py * s[at + W + 1] + pz * s[at + W + 2], r = dx * s[at + W] + dy * s[at + W + 1] + dz * s[at + W + 2];
-      this.alongRay(i, u, v, w, p, q, r);
+      this.alongRay(i, px, py, pz, dx, dy, dz);
       const count = rootsOf(poly, degree, low, high, found);
       for (let k = 0; k < count; ++k) {
-        const root = found[k], z = s[at + TRIM];
+        const root = found[k], z = s[at + TRIM], [u, v, p, q] = local;
         if (rules.front && !(slopeAt(poly, root) < 0)) continue;
         if (trimmed && surface.side[i] && outsideShare(surface, i, z * (u + root * p), z * (v + root * q)) > 0.5) continue;
         first = depth + root * radius;
@@ -170,10 +178,7 @@ export class Tracer {
       const px = (dx * depth - cx) / radius, py = (dy * depth - cy) / radius, pz = (dz * depth - cz) / radius;
       const distance2 = px * px + py * py + pz * pz, hat2 = distance2 + hat * hat;
       if (!(hat2 < 1)) continue;
-      const ux = s[at + U], uy = s[at + U + 1], uz = s[at + U + 2], vx = s[at + V], vy = s[at + V + 1], vz = s[at + V + 2];
-      const wx = s[at + W], wy = s[at + W + 1], wz = s[at + W + 2];
-      const u0 = px * ux + py * uy + pz * uz, v0 = px * vx + py * vy + pz * vz, p = dx * ux + dy * uy + dz * uz, q = dx * vx + dy * vy + dz * vz;
-      this.alongRay(i, u0, v0, px * wx + py * wy + pz * wz, p, q, dx * wx + dy * wy + dz * wz);
+      this.alongRay(i, px, py, pz, dx, dy, dz);
       const atHat = valueAt(poly, hat);
       if (!(Math.abs(atHat) < rules.kMaxShift)) continue;
       const half = Math.sqrt(1 - distance2), count = rootsOf(poly, degree, Math.max(-half, (values.slimNear - depth) / radius), half, found);
@@ -188,7 +193,9 @@ export class Tracer {
       }
       const root2 = distance2 + root * root, g = s[at + WEIGHT] * kernel(power, Math.max(hat2, root2));
       if (!(g > 0)) continue;
-      const u = u0 + root * p, v = v0 + root * q, k = this.at * i + 16, turned = slopeAt(poly, root) > 0 ? -1 : 1, cover = s[at + COVER];
+      const ux = s[at + U], uy = s[at + U + 1], uz = s[at + U + 2], vx = s[at + V], vy = s[at + V + 1], vz = s[at + V + 2];
+      const wx = s[at + W], wy = s[at + W + 1], wz = s[at + W + 2], u = local[0] + root * local[2], v = local[1] + root * local[3];
+      const k = this.at * i + 16, turned = slopeAt(poly, root) > 0 ? -1 : 1, cover = s[at + COVER];
       let hu = c[k + 1], hv = c[k + 2], huu = 0, huv = 0, hvv = 0;
       if (degree > 1) {
         huu = 2 * c[k + 3];
@@ -254,15 +261,13 @@ export class Tracer {
       const px = (dx * depth - cx) / radius, py = (dy * depth - cy) / radius, pz = (dz * depth - cz) / radius;
       const s2 = px * px + py * py + pz * pz + root * root;
       if (!(s2 < 1)) continue;
-      const ux = s[at + U], uy = s[at + U + 1], uz = s[at + U + 2], vx = s[at + V], vy = s[at + V + 1], vz = s[at + V + 2];
-      const wx = s[at + W], wy = s[at + W + 1], wz = s[at + W + 2], z = s[at + TRIM], own2 = z * z * s2, blend = kernel(surface.kernel, s2);
-      const u0 = px * ux + py * uy + pz * uz, v0 = px * vx + py * vy + pz * vz, p = dx * ux + dy * uy + dz * uz, q = dx * vx + dy * vy + dz * vz;
-      this.alongRay(i, u0, v0, px * wx + py * wy + pz * wz, p, q, dx * wx + dy * wy + dz * wz);
-      const faces = !surface.oriented || wx * normal[0] + wy * normal[1] + wz * normal[2] > 0;
+      this.alongRay(i, px, py, pz, dx, dy, dz);
+      const z = s[at + TRIM], own2 = z * z * s2, blend = kernel(surface.kernel, s2);
+      const faces = !surface.oriented || s[at + W] * normal[0] + s[at + W + 1] * normal[1] + s[at + W + 2] * normal[2] > 0;
       const isOwn = faces && Math.abs(valueAt(poly, root)) <= rules.kColorGate;
       const g = s[at + WEIGHT] * (isOwn ? 1 : rules.kOtherSheet) * (textures ? textureWeight(rules, own2, blend) : blend);
       if (!(g > 0)) continue;
-      const u = u0 + root * p, v = v0 + root * q;
+      const u = local[0] + root * local[2], v = local[1] + root * local[3];
       if (textures?.side[i] && own2 < reach * reach) {
         meanTextureColor(textures, i, z * u / reach, z * v / reach, z * wide / radius / reach, one);
       } else {
