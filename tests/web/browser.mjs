@@ -47,7 +47,8 @@ export class Browser {
   notice(method, params) {
     if (method === 'Network.requestWillBeSent') this.requests.push(params.request.url);
     if (method === 'Runtime.exceptionThrown') this.complaints.push(params.exceptionDetails.exception?.description);
-    if (method === 'Log.entryAdded') this.complaints.push(params.entry.text);
+    // Reading pixels back is slow, as drivers say.
+    if (method === 'Log.entryAdded' && !/ReadPixels|GPU stall/.test(params.entry.text)) this.complaints.push(params.entry.text);
     if (method === 'Runtime.consoleAPICalled') {
       this.complaints.push(params.args.map(a => a.description || a.value).join(' '));
     }
