@@ -59,10 +59,12 @@ struct SurfelTexture {
     if (taps == 1) return colorAt(u, v);
     const float step = width / static_cast<float>(taps), first = 0.5f * (step - width);
     std::array<float, 3> sum{};
-    for (int k = 0; k < taps * taps; ++k) {
-      const auto color = colorAt(u + first + step * static_cast<float>(k % taps),
-                                 v + first + step * static_cast<float>(k / taps));
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += color[c];
+    for (int row = 0; row < taps; ++row) {
+      for (int column = 0; column < taps; ++column) {
+        const auto color = colorAt(u + first + step * static_cast<float>(column),
+                                   v + first + step * static_cast<float>(row));
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += color[c];
+      }
     }
     for (float& value : sum) value /= static_cast<float>(taps * taps);
     return sum;

@@ -19,7 +19,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Highway's names for doubles.
+// NOLINTBEGIN(readability-identifier-naming): Highway's names, for doubles.
 HWY_INLINE double MulAdd(double a, double b, double c) {
   return a * b + c;
 }
@@ -50,6 +50,7 @@ HWY_INLINE double IfThenElse(bool mask, double a, double b) {
 HWY_INLINE double IfThenElseZero(bool mask, double a) {
   return mask ? a : 0.0;
 }
+// NOLINTEND(readability-identifier-naming)
 
 /** Names a type of numbers, for number(); others than vectors and double have an overload of
  * numberOf() in their own namespace. */
