@@ -69,11 +69,11 @@ TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud) {
 
 TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt) {
   // In its tile a clump has most points: their spacing is not the cloud's.
-  Cloud cloud = torus(150000);
+  Cloud cloud = torus(100000);
   std::mt19937 random(3);
   std::normal_distribution<double> off(0.0, 0.004);
   const std::size_t whole = cloud.size();
-  for (int i = 0; i < 30000; ++i)
+  for (int i = 0; i < 15000; ++i)
     cloud.add(cloud.points[0] + off(random), cloud.points[1] + off(random),
               cloud.points[2] + off(random));
   StreamStatistics statistics;

@@ -19,6 +19,8 @@ constexpr double kCoincident = 1e-3;  ///< [spacing] nearer points have no direc
 constexpr std::size_t kAround = 9;  ///< nearest points on a side of a border, which give a spacing
 constexpr int kTurns = 6;           ///< frames about a rim, 30 degrees apart
 constexpr int kSteps = 4;           ///< spacings that a point is tested by, at most
+constexpr std::size_t kEnoughBlocks = 128;  ///< contain enough points for a plane
+constexpr double kBoxMargin = 1.001;        ///< for the rounding of boxes
 
 std::uint32_t packed(const Vector3& direction) {
   std::uint32_t bits = 0;
@@ -113,9 +115,47 @@ void BorderTest::listBlocks(const Vector3& place, double reach) {
   store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
 }
 
+/** Of the listed blocks as many, evenly, as a decision needs. Balls as wide as the noise, and discs
+ * beside a dense clump, contain far more points than others. */
+const std::vector<std::uint32_t>& BorderTest::enoughBlocks() {
+  const std::size_t every = blocks_.size() / kEnoughBlocks;
+  if (every < 2) return blocks_;
+  some_blocks_.clear();
+  for (std::size_t b = 0; b < blocks_.size(); b += every) some_blocks_.push_back(blocks_[b]);
+  return some_blocks_;
+}
+
 void BorderTest::gather(const Vector3& place, double reach) {
   listBlocks(place, reach);
   kernels::gatherOffsets(store_, blocks_, place, reach, side_, near_);
+}
+
+/** Gathers all points within a reach of a place, or of many blocks a part that is enough for a
+ * plane. */
+void BorderTest::gatherEnough(const Vector3& place, double reach) {
+  listBlocks(place, reach);
+  kernels::gatherOffsets(store_, enoughBlocks(), place, reach, side_, near_);
+}
+
+/** Lists the blocks within a reach of a place, and within a width of its normal. */
+void BorderTest::listBlocksAlong(const Vector3& place, const SweepPlane& plane, double reach,
+                                 double width) {
+  listBlocks(place, reach);
+  const BlockTree::Level& boxes = store_.tree().levels().front();
+  const auto isBeside = [&](std::uint32_t b) {
+    const Vector3 low = subtract({boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]}, place);
+    const Vector3 high = subtract({boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]}, place);
+    const auto isBeyond = [&](const Vector3& axis) {
+      double least = 0, most = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        least += axis[a] * (axis[a] > 0 ? low[a] : high[a]);
+        most += axis[a] * (axis[a] > 0 ? high[a] : low[a]);
+      }
+      return std::max(least, -most) > kBoxMargin * width;
+    };
+    return isBeyond(plane.axes[0]) || isBeyond(plane.axes[1]);
+  };
+  blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(), isBeside), blocks_.end());
 }
 
 /** Whether another border point, of about the same direction, is next to one. */
@@ -124,7 +164,7 @@ bool BorderTest::hasPartner(std::size_t point, std::uint32_t flag) {
   const double spacing = spacing_.of(point / PointStore::kBlock);
   const double reach = constants_.partner * (0.5 * hole_size_ * spacing + noise_);
   listBlocks(place, reach);
-  const std::vector<std::uint32_t> blocks = blocks_;  // tests of others use the member
+  const std::vector<std::uint32_t> blocks = enoughBlocks();  // tests of others use the members
   for (const std::size_t b : blocks) {
     const std::size_t end = std::min((b + 1) * PointStore::kBlock, store_.size());
     for (std::size_t i = b * PointStore::kBlock; i < end; ++i) {
@@ -162,8 +202,8 @@ SweepPlane BorderTest::findPlane(double spacing) {
   return plane;
 }
 
-/** Whether a disc as wide as the reach touches the place and is empty, and the middle of the
- * interval of such discs' directions, in radians. */
+/** Whether a disc as wide as the reach touches the place and is empty of the points gathered, and
+ * the middle of the interval of such discs' directions, in radians. */
 bool BorderTest::findFree(double reach, double* middle) {
   std::array<float, kSweepDirections> inverse;
   kernels::sweepDirections(near_, inverse);
@@ -180,6 +220,22 @@ bool BorderTest::findFree(double reach, double* middle) {
   while (at - first < kSweepDirections - 1 && isFree(first - 1)) --first;
   *middle = M_PI * (first + std::min(last, first + kSweepDirections - 1)) / kSweepDirections;
   return true;
+}
+
+/** Whether a disc as wide as the reach touches the place and is empty, as findFree(). Gathers all
+ * points that may be in one. */
+bool BorderTest::findFreeDisc(const Vector3& place, const SweepPlane& plane, double reach,
+                              double spacing, double* middle) {
+  const double length = std::hypot(reach, constants_.plane_noise * noise_);
+  listBlocksAlong(place, plane, length, reach);
+  const std::vector<std::uint32_t>& enough = enoughBlocks();
+  const auto isFree = [&](const std::vector<std::uint32_t>& blocks) {
+    kernels::gatherOffsets(store_, blocks, place, length, side_, near_);
+    kernels::findBlocked(plane, reach, kCoincident * spacing, near_);
+    return findFree(reach, middle);
+  };
+  // What a part of the points blocks, all of them block.
+  return isFree(enough) && (&enough == &blocks_ || isFree(blocks_));
 }
 
 /** Whether discs are empty in every plane turned about the rim, along the v axis, as well. */
@@ -277,21 +333,16 @@ std::uint32_t BorderTest::measure(std::size_t point) {
   Vector3 direction{};
   for (int step = 0; step < kSteps; ++step) {
     const double reach = hole_size_ * spacing;
-    SweepPlane plane;
+    gatherEnough(place, std::max(reach, plane_noise));
+    SweepPlane plane = findPlane(spacing);
     if (plane_noise > reach) {  // about the point's foot
-      gather(place, plane_noise);
-      plane = findPlane(spacing);
       const Vector3 foot = along(place, plane.height, plane.axes[2]);
-      gather(foot, plane_noise);
-      SweepPlane about_foot = findPlane(spacing);
-      about_foot.height += dot(subtract(foot, place), about_foot.axes[2]);
-      plane = about_foot;
+      gatherEnough(foot, plane_noise);
+      plane = findPlane(spacing);
+      plane.height += dot(subtract(foot, place), plane.axes[2]);
     }
-    gather(place, std::hypot(reach, plane_noise));
-    if (plane_noise <= reach) plane = findPlane(spacing);
-    kernels::findBlocked(plane, reach, kCoincident * spacing, near_);
     double middle = 0;
-    if (!findFree(reach, &middle)) return kInside;
+    if (!findFreeDisc(place, plane, reach, spacing, &middle)) return kInside;
     direction = along(scaled(plane.axes[0], std::cos(middle)), std::sin(middle), plane.axes[1]);
     SweepPlane rim = plane;
     rim.axes = {direction, cross(plane.axes[2], direction), plane.axes[2]};
@@ -300,9 +351,7 @@ std::uint32_t BorderTest::measure(std::size_t point) {
     if (around < constants_.step * spacing) {
       if (around <= spacing) break;
       const double wider = 0.5 * hole_size_ * (spacing + around);
-      gather(place, std::hypot(wider, plane_noise));
-      kernels::findBlocked(plane, wider, kCoincident * spacing, near_);
-      if (!findFree(wider, &middle)) return kInside;
+      if (!findFreeDisc(place, plane, wider, spacing, &middle)) return kInside;
       break;
     }
     spacing = around;

@@ -110,9 +110,14 @@ class BorderTest {
   std::uint32_t measure(std::size_t point);
   bool hasPartner(std::size_t point, std::uint32_t flag);
   void listBlocks(const Vector3& place, double reach);
+  const std::vector<std::uint32_t>& enoughBlocks();
   void gather(const Vector3& place, double reach);
+  void gatherEnough(const Vector3& place, double reach);
+  void listBlocksAlong(const Vector3& place, const SweepPlane& plane, double reach, double width);
   SweepPlane findPlane(double spacing);
   bool findFree(double reach, double* middle);
+  bool findFreeDisc(const Vector3& place, const SweepPlane& plane, double reach, double spacing,
+                    double* middle);
   bool isFreeTurned(SweepPlane plane, double reach, double spacing);
   double halfSpacing(const Vector3& direction, double reach);
   bool findAhead(const Vector3& direction, double spacing, Vector3* next) const;
@@ -127,7 +132,7 @@ class BorderTest {
   PlaceSide side_;  ///< of the point at hand
   LocalSpacing& spacing_;
   PointBorders& borders_;
-  std::vector<std::uint32_t> blocks_, numbers_;
+  std::vector<std::uint32_t> blocks_, some_blocks_, numbers_;
   NearPoints near_;
   std::vector<float> squares_;
 };

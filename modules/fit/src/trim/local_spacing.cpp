@@ -14,6 +14,8 @@ constexpr std::size_t kNeighbors = 16;
 constexpr double kInNoise = 3.6;      ///< [RMS noise] nearer points are less than a surface's
 constexpr std::size_t kAround = 4;    ///< blocks before and after
 constexpr std::size_t kQuantile = 4;  ///< tenths
+/// Blocks that are counted of a ball as wide as the noise. It may contain most of a dense clump.
+constexpr std::size_t kEnoughBlocks = 128;
 
 }  // namespace
 
@@ -87,9 +89,13 @@ float LocalSpacing::at(std::size_t point) const {
   thread_local std::vector<float> distances_sq;
   const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                            static_cast<float>(place[2])};
-  const auto countWithin = [&](double reach) {
+  std::size_t every = 1;  // of the blocks is counted
+  const auto countWithin = [&](double reach, std::size_t enough_blocks) {
     blocks.clear();
     store_.tree().blocksInBall(center, static_cast<float>(reach), blocks);
+    every = std::max<std::size_t>(1, blocks.size() / enough_blocks);
+    for (std::size_t b = 0; b < blocks.size(); b += every) blocks[b / every] = blocks[b];
+    blocks.resize((blocks.size() + every - 1) / every);
     const std::size_t most = (blocks.size() + 1) * PointStore::kBlock;
     if (found.size() < most) {
       found.resize(most);
@@ -101,20 +107,24 @@ float LocalSpacing::at(std::size_t point) const {
   };
   const double in_noise = kInNoise * noise_;
   const std::size_t enough = std::min(kNeighbors + 1, store_.size());
-  double reach = std::max(guessAt(point), in_noise);
-  std::size_t count = countWithin(reach);
-  while (count < enough) count = countWithin(reach *= 1.4);
+  const double guess = guessAt(point);
+  double reach = std::max(guess, in_noise);
+  std::size_t count = countWithin(reach, guess > in_noise ? store_.numBlocks() : kEnoughBlocks);
+  while (count < enough) {
+    if (every == 1) reach *= 1.4;
+    count = countWithin(reach, store_.numBlocks());
+  }
   if (count < 2) return 1.0f;
-  const double farthest_sq = kernels::kthSmallest(distances_sq.data(), count, enough);
-  if (farthest_sq >= in_noise * in_noise)
-    return static_cast<float>(std::sqrt(M_PI * farthest_sq / static_cast<double>(enough - 1)));
   const auto limit = static_cast<float>(in_noise * in_noise);
-  const auto within =
+  const auto within = static_cast<std::size_t>(
       std::count_if(distances_sq.begin(), distances_sq.begin() + static_cast<std::ptrdiff_t>(count),
-                    [&](float q) { return q <= limit; });
+                    [&](float q) { return q <= limit; }));
+  if (within < enough) {
+    const double farthest_sq = kernels::kthSmallest(distances_sq.data(), count, enough);
+    return static_cast<float>(std::sqrt(M_PI * farthest_sq / static_cast<double>(enough - 1)));
+  }
   const double area = M_PI * (in_noise * in_noise - 2 * noise_ * noise_);
-  return static_cast<float>(
-      std::sqrt(area / static_cast<double>(std::max<std::ptrdiff_t>(1, within - 1))));
+  return static_cast<float>(std::sqrt(area / static_cast<double>(within * every - 1)));
 }
 
 }  // namespace pcl_slim::detail

@@ -173,8 +173,11 @@ void TrimMaker::markOpen(std::uint32_t k) {
 bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
   if (!support_.standsOff(points_, surface)) return false;
   double widest = kBorder.step * surface.spacing;
-  for (const std::uint32_t k : rims_)
-    widest = std::max<double>(widest, local_spacing_.at(points_.index[k]) / surface_.radius[i]);
+  const std::size_t stride = std::max<std::size_t>(1, rims_.size() / kTrim.measured);
+  for (std::size_t k = 0; k < rims_.size(); k += stride) {
+    const float spacing = local_spacing_.at(points_.index[rims_[k]]);
+    widest = std::max<double>(widest, spacing / surface_.radius[i]);
+  }
   if (widest > kBorder.step * surface.spacing) {
     surface.spacing = widest;
     if (!support_.standsOff(points_, surface)) return false;

@@ -133,6 +133,22 @@ TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse) {
   }
 }
 
+TEST(BorderTest, SamplesOfTheWideBallsOfDenseNoiseShowTheSame) {
+  // A ball of five sigma contains 12,000 points, of which a sixth is looked at.
+  constexpr double kNoise = 2.5;
+  Count rim, inside;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Cloud half = square([](double x, double) { return x < 0.0; }, kNoise, 25.0, seed);
+    rim.add(countEnds(half, kNoise, [](const Vector3& p) { return isInner(p) && p[0] > 5.0; }));
+    inside.add(countEnds(
+        half, kNoise, [](const Vector3& p) { return isInner(p) && p[0] < -10.0 && p[0] > -14.0; }));
+  }
+  EXPECT_GT(rim.points, 80);
+  EXPECT_GT(rim.share(), 0.15);
+  EXPECT_GT(inside.points, 10000);
+  EXPECT_LE(inside.ends, 1);
+}
+
 /** Distance to the middle of the nearest of many holes. */
 double toHole(double x, double y) {
   return std::hypot(x - 20.0 * std::round(x / 20.0), y - 20.0 * std::round(y / 20.0));
