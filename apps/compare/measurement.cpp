@@ -69,7 +69,10 @@ Error Comparison::run(Console& console, Report& report) {
 
 Error Comparison::prepare(Console& console, Report& report) {
   console.begin("Covering " + measuredObject().name());
-  Result<CarrierMesh> carrier = measuredObject().carrier(job_.carrier, console.progress());
+  CarrierParams covering = job_.carrier;
+  if (measuredObject().isMesh() && !otherObject().isMesh())
+    covering.longest_edge = longestEdgeFor(otherObject().surface);
+  Result<CarrierMesh> carrier = measuredObject().carrier(covering, console.progress());
   if (!carrier) return console.failed(carrier.error());
   carrier_ = std::move(*carrier);
   Result<DeviationReference> to_b = b_.reference(job_.carrier.threads);

@@ -53,6 +53,7 @@ class Comparison {
   const ComparedInput& measuredObject() const {
     return job_.at == MeasuredAt::kReference ? b_ : a_;
   }
+  const ComparedInput& otherObject() const { return job_.at == MeasuredAt::kReference ? a_ : b_; }
   /** \brief Where deviations were measured, before any motion, and each one's share of the area. */
   const PlaceColumns& places() const { return places_; }
   const DeviationCarrier& shares() const { return shares_; }

@@ -11,10 +11,12 @@
 #include "carrier/split_edges.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/compare/triangle_index.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/cloud_projection.h"
+#include "pcl_slim/query/leaf_noise.h"
 
 namespace pcl_slim {
 
@@ -85,6 +87,14 @@ Error CarrierParams::validate() const {
   if (!(min_component_points >= 0.0))
     return bad("the least number of points of a component must be 0 or more");
   return checkThreads(threads);
+}
+
+double longestEdgeFor(const SLIMSurface& surface) {
+  std::vector<double> spacings;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i)) spacings.push_back(leafSpacing(surface, i));
+  }
+  return spacings.empty() ? 0 : kEdgeSpacings * surface.info.scale * median(spacings);
 }
 
 Result<CarrierMesh> carrierMeshOf(const SLIMSurface& surface, const CarrierParams& params,

@@ -6,6 +6,7 @@
 #include "contour/contour.h"
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/query/leaf_noise.h"
 
 namespace pcl_slim::detail {
 
@@ -34,13 +35,6 @@ double curvatureOf(const SLIMSurface& surface, std::uint32_t i) {
   return most / surface.radius[i];
 }
 
-/** Mean distance of the points behind a leaf: with weights (1 - s^2)^4 the effective number of
- * points is .36 of those in the ball. */
-double spacingOf(const SLIMSurface& surface, std::uint32_t i) {
-  const double points = std::max(1.0, surface.effective_count[i] / 0.36);
-  return surface.radius[i] * std::sqrt(M_PI / points);
-}
-
 LeafShape shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance,
                   double least_spacings, bool trim) {
   LeafShape shape{};
@@ -57,7 +51,8 @@ LeafShape shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance,
   const double curvature = std::max(curvatureOf(surface, i), 1e-6);
   const double widest = kWidest * shape.radius;
   shape.cell_size = static_cast<float>(std::min(std::sqrt(4 * tolerance / curvature), widest));
-  shape.least = static_cast<float>(std::min(least_spacings * spacingOf(surface, i), 0.5 * widest));
+  shape.least =
+      static_cast<float>(std::min(least_spacings * leafSpacing(surface, i), 0.5 * widest));
   const TrimMap map = trim ? surface.trimMap(i) : TrimMap();
   if (!map.closed()) {
     shape.borders = BorderTable(map);

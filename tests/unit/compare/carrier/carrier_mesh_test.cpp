@@ -154,5 +154,15 @@ TEST(CarrierMesh, RefusesWhatHasNoArea) {
   EXPECT_FALSE(carrierMeshOf(SLIMSurface(), {}));
 }
 
+TEST(CarrierMesh, EdgesForASurfaceAreAboutTwoSpacingsOfItsPoints) {
+  for (const std::size_t count : {3000u, 20000u}) {
+    for (const double noise : {0.0, 0.01}) {
+      const double spacing = std::sqrt(4 * kPi * 2.0 * 2.0 / static_cast<double>(count));
+      EXPECT_NEAR(longestEdgeFor(sphereFit(count, noise)), 2 * spacing, 0.5 * spacing);
+    }
+  }
+  EXPECT_EQ(longestEdgeFor(SLIMSurface()), 0.0);
+}
+
 }  // namespace
 }  // namespace pcl_slim

@@ -47,6 +47,11 @@ PCL_SLIM_EXPORT Result<CarrierMesh> carrierMeshOf(const SLIMSurface& surface,
                                                   const CarrierParams& params,
                                                   Progress* progress = nullptr);
 
+/** \brief The longest edge of a mesh's carrier that shows all that its points know of a surface it is
+ * compared with: twice the median, over the leaves, of their points' spacing [world units]; 0 for no
+ * leaves. O(leaves). */
+PCL_SLIM_EXPORT double longestEdgeFor(const SLIMSurface& surface);
+
 /** \brief The carrier of a mesh: its own vertices, in their order, and those that divide edges above
  * the longest. They have the mesh's standard errors, or none, and are oriented where no edge is run in the same direction by both of its
  * triangles. \return an error for bad parameters, an invalid mesh, or one without area.

@@ -2,12 +2,20 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
+
+/** \brief Mean distance of the points behind a leaf, local units: with weights (1 - s^2)^4 their
+ * effective number is .36 of those in the ball. */
+inline double leafSpacing(const SLIMSurface& surface, std::size_t leaf) {
+  const double points = std::max(1.0, surface.effective_count[leaf] / 0.36);
+  return surface.radius[leaf] * std::sqrt(M_PI / points);
+}
 
 /** \brief Variance of the errors of a leaf's points [squared local length]: that of its residual, and
  * what its coefficients follow of errors of the surface's variance lambda. Detail that the leaf does
