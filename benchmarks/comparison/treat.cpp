@@ -110,6 +110,13 @@ void runMls(const Scene& scene, const Setting& setting, Treated& treated) {
   mls.setPolynomialOrder(setting.degree);
   mls.setSearchRadius(scene.spacing * std::sqrt(setting.neighbours / M_PI));
   mls.setNumberOfThreads(static_cast<unsigned>(setting.threads));
+  if (setting.judged) {
+    auto indices = std::make_shared<pcl::Indices>();
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      if (scene.isJudged(i)) indices->push_back(static_cast<pcl::index_t>(i));
+    }
+    mls.setIndices(indices);
+  }
   mls.setCacheMLSResults(true);  // without it several threads share one result (PCL 1.13)
   pcl::PointCloud<pcl::PointNormal> output;
   const Clock clock;

@@ -25,6 +25,7 @@ struct Setting {
   bool normals = false;  ///< SLIM: the scene's normals are given
   bool data = false;     ///< SLIM: normals are fitted as data, too
   int neighbours = 0;    ///< MLS: mean number in its radius; normals: k
+  bool judged = false;   ///< MLS: only the points that are judged are treated; no times then
   int threads = 2;
 
   /** \brief Nothing is set but what comes with the cloud. */

@@ -38,8 +38,9 @@ class ExactSurfaces : public testing::TestWithParam<std::tuple<std::string, doub
 
 TEST_P(ExactSurfaces, NotAboveBestOfMls) {
   const auto& [shape, noise] = GetParam();
-  const auto scene = pcl_slim::comparison::makeScene(shape, kCount, noise);
+  auto scene = pcl_slim::comparison::makeScene(shape, kCount, noise);
   ASSERT_TRUE(scene) << scene.error().message;
+  judgeSome(*scene);
   const Errors order2 = bestOf(*scene, mlsSweep(2, noise));
   const Errors rival = smaller(order2, bestOf(*scene, mlsSweep(3, noise)));
   for (const bool normals : {false, true}) {

@@ -17,10 +17,17 @@ using pcl_slim::comparison::Scene;
 using pcl_slim::comparison::Setting;
 
 inline Errors errorsOf(const Scene& scene, Setting setting) {
-  setting.threads = 1;  // tests run beside each other
+  setting.threads = 1;    // tests run beside each other
+  setting.judged = true;  // MLS costs by the point
   const auto run = runSetting(scene, setting);
   EXPECT_TRUE(run) << setting.text() << ": " << run.error().message;
   return run ? run->errors : Errors();
+}
+
+/** Judges every third point only. */
+inline void judgeSome(Scene& scene) {
+  scene.judged.resize(scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i) scene.judged[i] = i % 3 == 0;
 }
 
 inline Setting slim(bool normals, int degree = 0, double penalty = 0) {
