@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "pcl_slim/cloud/detail/block_kernels.h"
@@ -115,13 +116,14 @@ void BorderTest::listBlocks(const Vector3& place, double reach) {
   store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
 }
 
-/** Of the listed blocks as many, evenly, as a decision needs. Balls as wide as the noise, and discs
- * beside a dense clump, contain far more points than others. */
+/** Of the listed blocks as many as a decision needs. Balls as wide as the noise, and discs beside a
+ * dense clump, contain far more points than others. Places near each other get the same blocks. */
 const std::vector<std::uint32_t>& BorderTest::enoughBlocks() {
-  const std::size_t every = blocks_.size() / kEnoughBlocks;
+  const std::uint32_t every = strideFor(blocks_.size(), kEnoughBlocks);
   if (every < 2) return blocks_;
   some_blocks_.clear();
-  for (std::size_t b = 0; b < blocks_.size(); b += every) some_blocks_.push_back(blocks_[b]);
+  std::copy_if(blocks_.begin(), blocks_.end(), std::back_inserter(some_blocks_),
+               [&](std::uint32_t b) { return b % every == 0; });
   return some_blocks_;
 }
 

@@ -37,6 +37,14 @@ struct NearPoints {
   void reserve(std::size_t capacity);
 };
 
+/** \brief A power of two, so that of a number of things at least as many as are enough have an index
+ * that it divides, if indices are even; 1 for fewer than twice as many. */
+inline std::uint32_t strideFor(std::size_t count, std::size_t enough) {
+  std::uint32_t stride = 1;
+  while (count / (2 * stride) >= enough) stride *= 2;
+  return stride;
+}
+
 /** \brief Which points are of the place's side, where normals part sheets. */
 struct PlaceSide {
   std::array<float, 3> normal{};

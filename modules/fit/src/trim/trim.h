@@ -179,7 +179,7 @@ struct TrimConstants {
   double looked_at = 0.9;      ///< [r] borders beyond do not open a surfel: its weight is next to 0
   int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
-  std::size_t measured = 512;  ///< points next to gaps from which on samples give the spacing
+  std::size_t enough_rims = 512;  ///< points next to gaps of which at least as many are tested
 };
 
 inline constexpr TrimConstants kTrim;

@@ -151,12 +151,15 @@ void TrimMaker::prepare(std::size_t begin, std::size_t end) {
   if (has_nearby_) nearby_.collect(store_.tree(), low, high);
 }
 
-/** Whether the data end at a point next to a gap, in the part of the surfel that is drawn. */
+/** Whether the data end at a point next to a gap, in the part of the surfel that is drawn. Where
+ * there are many, as beside a dense clump, a part is tested, the same from all leaves. */
 bool TrimMaker::dataEndAtGaps() {
   constexpr auto kMost = static_cast<float>(kTrim.looked_at * kTrim.looked_at);
+  const std::uint32_t stride = strideFor(rims_.size(), kTrim.enough_rims);
   const auto border = std::find_if(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
     const float u = points_.u[k], v = points_.v[k], w = points_.w[k];
-    return u * u + v * v + w * w < kMost && border_.isBorder(points_.index[k]);
+    return points_.index[k] % stride == 0 && u * u + v * v + w * w < kMost &&
+           border_.isBorder(points_.index[k]);
   });
   if (border == rims_.end()) return false;
   markOpen(*border);
@@ -173,10 +176,10 @@ void TrimMaker::markOpen(std::uint32_t k) {
 bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
   if (!support_.standsOff(points_, surface)) return false;
   double widest = kBorder.step * surface.spacing;
-  const std::size_t stride = std::max<std::size_t>(1, rims_.size() / kTrim.measured);
-  for (std::size_t k = 0; k < rims_.size(); k += stride) {
-    const float spacing = local_spacing_.at(points_.index[rims_[k]]);
-    widest = std::max<double>(widest, spacing / surface_.radius[i]);
+  const std::uint32_t stride = strideFor(rims_.size(), kTrim.enough_rims);
+  for (const std::uint32_t k : rims_) {
+    if (points_.index[k] % stride == 0)
+      widest = std::max<double>(widest, local_spacing_.at(points_.index[k]) / surface_.radius[i]);
   }
   if (widest > kBorder.step * surface.spacing) {
     surface.spacing = widest;
