@@ -273,6 +273,17 @@ namespace {
 constexpr double kCellsOfReach = 6.0;
 constexpr double kMostCells = 1 << 26;  ///< of a mask: coarser cells where a tile is scattered
 
+/** Marks the neighbours of a column's marked cells. */
+void widen(std::vector<std::uint64_t>& column) {
+  std::uint64_t carried = 0;  // the last bit of the word before
+  for (std::size_t w = 0; w < column.size(); ++w) {
+    const std::uint64_t own = column[w];
+    const std::uint64_t next = w + 1 < column.size() ? column[w + 1] << 63 : 0;
+    column[w] = own | own << 1 | own >> 1 | carried | next;
+    carried = own >> 63;
+  }
+}
+
 std::array<int, 3> placeOf(std::uint64_t code) {
   const auto at = [code](int axis) { return static_cast<int>(gatherBits(code >> axis)); };
   return {at(2), at(1), at(0)};
@@ -313,19 +324,30 @@ bool HaloMask::fitBox(const TilePlan& plan, const TilePlan::Tile& tile, double r
 }
 
 void HaloMask::markCore(const AlignedVector<std::uint64_t>& keys) {
-  bits_.assign(indexOf({low_[0] + size_[0], low_[1], low_[2]}), false);
+  words_ = (static_cast<std::size_t>(size_[2]) + 63) / 64;
+  columns_.assign(columnOf(low_[0] + size_[0], low_[1]), 0);
   std::uint64_t last = PointKeys::kLeftOut;
   for (const std::uint64_t key : keys) {
     const std::uint64_t cell = cellOf(key, depth_);
-    if (cell != last) bits_[indexOf(placeOf(cell))] = true;
+    if (cell != last) {
+      const Place p = placeOf(cell);
+      const auto z = static_cast<std::size_t>(p[2] - low_[2]);
+      columns_[columnOf(p[0], p[1]) + z / 64] |= std::uint64_t{1} << z % 64;
+    }
     last = cell;
   }
 }
 
-std::size_t HaloMask::indexOf(const Place& p) const {
-  const auto at = [&](std::size_t a) { return static_cast<std::size_t>(p[a] - low_[a]); };
-  return (at(0) * static_cast<std::size_t>(size_[1]) + at(1)) * static_cast<std::size_t>(size_[2]) +
-         at(2);
+/** The first word of a column. */
+std::size_t HaloMask::columnOf(int x, int y) const {
+  return (static_cast<std::size_t>(x - low_[0]) * static_cast<std::size_t>(size_[1]) +
+          static_cast<std::size_t>(y - low_[1])) *
+         words_;
+}
+
+bool HaloMask::isMarked(const Place& p) const {
+  const auto z = static_cast<std::size_t>(p[2] - low_[2]);
+  return (columns_[columnOf(p[0], p[1]) + z / 64] >> z % 64 & 1) != 0;
 }
 
 bool HaloMask::inside(const Place& p) const {
@@ -333,38 +355,41 @@ bool HaloMask::inside(const Place& p) const {
          p[0] < low_[0] + size_[0] && p[1] < low_[1] + size_[1] && p[2] < low_[2] + size_[2];
 }
 
-/** Marks all cells whose boxes are within a number of cells' widths of a marked one's. */
+/** Marks all cells whose boxes are within a number of cells' widths of a marked one's: every column
+ * with a mark, widened along z by what the ball is wide beside it, is added to those around it. */
 void HaloMask::grow(double cells) {
   const int most = static_cast<int>(std::ceil(cells)) + 1;
   const auto gap = [](int d) { return std::max(0, std::abs(d) - 1); };
-  struct Row {
-    std::ptrdiff_t begin;
-    int length;
-  };
-  std::vector<Row> rows;  // of the ball, along z
-  const auto middle = static_cast<std::ptrdiff_t>(indexOf(low_));
+  std::vector<std::vector<std::ptrdiff_t>> beside(static_cast<std::size_t>(most) + 1);
   for (int dx = -most; dx <= most; ++dx) {
     for (int dy = -most; dy <= most; ++dy) {
       const double left = cells * cells - gap(dx) * gap(dx) - gap(dy) * gap(dy);
       if (left < 0) continue;
       const int half = std::min(static_cast<int>(std::sqrt(left)) + 1, most);
-      const std::ptrdiff_t begin = (std::ptrdiff_t{dx} * size_[1] + dy) * size_[2] - half;
-      rows.push_back({begin - middle, 2 * half + 1});
+      beside[static_cast<std::size_t>(half)].push_back((std::ptrdiff_t{dx} * size_[1] + dy) *
+                                                       static_cast<std::ptrdiff_t>(words_));
     }
   }
-  const std::vector<bool> core = bits_;
-  for (std::size_t i = 0; i < core.size(); ++i) {
-    if (!core[i]) continue;
-    for (const Row& row : rows) {
-      const auto begin = bits_.begin() + static_cast<std::ptrdiff_t>(i) + row.begin;
-      std::fill(begin, begin + row.length, true);
+  const std::vector<std::uint64_t> core = columns_;
+  std::vector<std::uint64_t> wide(words_);
+  for (std::size_t column = 0; column < core.size(); column += words_) {
+    const auto first = core.begin() + static_cast<std::ptrdiff_t>(column);
+    const auto end = first + static_cast<std::ptrdiff_t>(words_);
+    if (std::all_of(first, end, [](std::uint64_t word) { return word == 0; })) continue;
+    std::copy(first, end, wide.begin());
+    for (std::size_t half = 0; half < beside.size(); ++half) {
+      if (half > 0) widen(wide);
+      for (const std::ptrdiff_t offset : beside[half]) {
+        std::uint64_t* to = columns_.data() + static_cast<std::ptrdiff_t>(column) + offset;
+        for (std::size_t w = 0; w < words_; ++w) to[w] |= wide[w];
+      }
     }
   }
 }
 
 bool HaloMask::hasCell(std::uint64_t code) const {
   const Place p = placeOf(code);
-  return inside(p) && bits_[indexOf(p)];
+  return inside(p) && isMarked(p);
 }
 
 bool HaloMask::meets(const TilePlan::Cell& cell) const {
@@ -380,7 +405,7 @@ bool HaloMask::meets(const TilePlan::Cell& cell) const {
   for (int x = low[0]; x < high[0]; ++x) {
     for (int y = low[1]; y < high[1]; ++y) {
       for (int z = low[2]; z < high[2]; ++z) {
-        if (bits_[indexOf({x, y, z})]) return true;
+        if (isMarked({x, y, z})) return true;
       }
     }
   }

@@ -123,8 +123,8 @@ class HaloMask {
  public:
   /** \param[in] plan,tile whose cells bound the mask \param[in] keys of the tile's points, any
    * order
-   * \param[in] reach local length. O(points + cells of the tile's box + cells with points times
-   * reach squared in cells). */
+   * \param[in] reach local length. O(points + cells of the tile's box + columns of cells with points
+   * times reach squared in cells). */
   HaloMask(const TilePlan& plan, const TilePlan::Tile& tile,
            const AlignedVector<std::uint64_t>& keys, double reach);
 
@@ -135,7 +135,8 @@ class HaloMask {
  private:
   using Place = std::array<int, 3>;
 
-  std::size_t indexOf(const Place& p) const;
+  std::size_t columnOf(int x, int y) const;
+  bool isMarked(const Place& p) const;
   bool inside(const Place& p) const;
   bool hasCell(std::uint64_t code) const;
   bool fitBox(const TilePlan& plan, const TilePlan::Tile& tile, double reach);
@@ -144,7 +145,8 @@ class HaloMask {
 
   int depth_ = 0;
   Place low_{}, size_{};
-  std::vector<bool> bits_;
+  std::size_t words_ = 0;  ///< of a column along z, a bit a cell
+  std::vector<std::uint64_t> columns_;
 };
 
 /** \brief Brings tiles from disk into memory. */
