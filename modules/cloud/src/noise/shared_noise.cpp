@@ -89,7 +89,6 @@ NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
   NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
   noise.variance = rounding.variance;
   setCorrelation(rounding.correlation, noise);
-  noise.step = steps.step;
   return noise;
 }
 
@@ -121,6 +120,7 @@ NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white
     if (noise.correlation < constants.shared.full_correlation ||
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
+    noise.step = steps.step;
   }
   // The curve's first two scales have white noise's size and twice as many points.
   if (!(noise.correlation > 1))
