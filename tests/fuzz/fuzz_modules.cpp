@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 #include <vector>
 
+#include "file/slim_file.h"
 #include "fuzz/fuzz_targets.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
@@ -49,6 +52,48 @@ struct FuzzCloud {
     view.normal_stride = 4 * row;
   }
 };
+
+std::uint64_t numberAt(const std::vector<unsigned char>& file, std::size_t at) {
+  std::uint64_t number = 0;
+  for (std::size_t i = 8; i-- > 0;) number = number << 8 | file[at + i];
+  return number;
+}
+
+void setNumberAt(std::vector<unsigned char>& file, std::size_t at, std::uint64_t number) {
+  for (std::size_t i = 0; i < 8; ++i, number >>= 8)
+    file[at + i] = static_cast<unsigned char>(number);
+}
+
+constexpr std::size_t kPayloadAt = 16, kChecksumAt = 24;     ///< in the header of a .slim file
+constexpr std::size_t kEntryBytes = 64, kTrailerBytes = 16;  ///< of a directory of blocks
+
+/** A .slim file with the size and the checksums that it should have. No chance finds these, and
+ * nothing behind wrong ones is read. */
+std::vector<unsigned char> sealed(std::vector<unsigned char> file) {
+  const std::size_t size = file.size();
+  if (size < detail::kSlimHeaderBytes + kTrailerBytes) return file;
+  setNumberAt(file, kPayloadAt, size - detail::kSlimHeaderBytes);
+  if (detail::slimVersionOf(file.data(), size) != detail::kSlimBlocksVersion) {
+    detail::sealSlim(file);
+    return file;
+  }
+  const std::uint64_t begin = numberAt(file, size - kTrailerBytes);
+  if (begin < detail::kSlimHeaderBytes || begin > size - kTrailerBytes) return file;
+  const auto first = static_cast<std::ptrdiff_t>(begin);
+  for (std::size_t at = begin; at + kEntryBytes + kTrailerBytes <= size; at += kEntryBytes) {
+    const std::uint64_t offset = numberAt(file, at), bytes = numberAt(file, at + 8);
+    if (offset > begin || bytes > begin - offset) continue;
+    const auto from = file.begin() + static_cast<std::ptrdiff_t>(offset);
+    std::vector<unsigned char> block(from, from + static_cast<std::ptrdiff_t>(bytes));
+    if (detail::slimVersionOf(block.data(), block.size()) == detail::kSlimBlocksVersion) continue;
+    block = sealed(std::move(block));
+    std::copy(block.begin(), block.end(), from);
+  }
+  std::vector<unsigned char> head(file.begin(), file.begin() + detail::kSlimHeaderBytes);
+  head.insert(head.end(), file.begin() + first, file.end());
+  setNumberAt(file, kChecksumAt, detail::slimChecksum(head.data(), head.size()));
+  return file;
+}
 
 void renderSurfaceOf(const SLIMSurface& surface) {
   const BoundingSpheres spheres = spheresOf(surface);
@@ -104,7 +149,8 @@ void sampleAndRender(const FuzzCloud& cloud) {
 }  // namespace
 
 int fuzzSlim(const std::uint8_t* bytes, std::size_t size) {
-  const Result<SLIMSurface> surface = decodeSlim(bytes, size);
+  const std::vector<unsigned char> file = sealed({bytes, bytes + size});
+  const Result<SLIMSurface> surface = decodeSlim(file.data(), file.size());
   if (!surface) return 0;
   require(surface->validate());
   const std::vector<unsigned char> written = encodeSlim(*surface);
