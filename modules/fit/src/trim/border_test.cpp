@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "pcl_slim/cloud/detail/block_kernels.h"
@@ -20,8 +19,6 @@ constexpr double kCoincident = 1e-3;  ///< [spacing] nearer points have no direc
 constexpr std::size_t kAround = 9;  ///< nearest points on a side of a border, which give a spacing
 constexpr int kTurns = 6;           ///< frames about a rim, 30 degrees apart
 constexpr int kSteps = 4;           ///< spacings that a point is tested by, at most
-constexpr std::size_t kEnoughBlocks = 128;  ///< contain enough points for a plane
-constexpr double kBoxMargin = 1.001;        ///< for the rounding of boxes
 
 std::uint32_t packed(const Vector3& direction) {
   std::uint32_t bits = 0;
@@ -75,6 +72,14 @@ std::array<double, 10> sumOffsets(const NearPoints& points, double reach,
 
 }  // namespace
 
+std::size_t keepEnough(std::size_t enough, std::vector<std::uint32_t>& blocks) {
+  const std::size_t stride = strideFor(blocks.size(), enough);
+  if (stride == 1) return 1;
+  const auto isLeftOut = [&](std::uint32_t block) { return block % stride != 0; };
+  blocks.erase(std::remove_if(blocks.begin(), blocks.end(), isLeftOut), blocks.end());
+  return stride;
+}
+
 BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
                        double hole_size, float min_dot, bool edges_end, LocalSpacing& spacing,
                        PointBorders& borders)
@@ -116,48 +121,17 @@ void BorderTest::listBlocks(const Vector3& place, double reach) {
   store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
 }
 
-/** Of the listed blocks as many as a decision needs. Balls as wide as the noise, and discs beside a
- * dense clump, contain far more points than others. Places near each other get the same blocks. */
-const std::vector<std::uint32_t>& BorderTest::enoughBlocks() {
-  const std::uint32_t every = strideFor(blocks_.size(), kEnoughBlocks);
-  if (every < 2) return blocks_;
-  some_blocks_.clear();
-  std::copy_if(blocks_.begin(), blocks_.end(), std::back_inserter(some_blocks_),
-               [&](std::uint32_t b) { return b % every == 0; });
-  return some_blocks_;
-}
-
 void BorderTest::gather(const Vector3& place, double reach) {
   listBlocks(place, reach);
   kernels::gatherOffsets(store_, blocks_, place, reach, side_, near_);
 }
 
-/** Gathers all points within a reach of a place, or of many blocks a part that is enough for a
- * plane. */
-void BorderTest::gatherEnough(const Vector3& place, double reach) {
+/** Gathers enough of the points within a reach of a place. \return whether these are all */
+bool BorderTest::gatherEnough(const Vector3& place, double reach) {
   listBlocks(place, reach);
-  kernels::gatherOffsets(store_, enoughBlocks(), place, reach, side_, near_);
-}
-
-/** Lists the blocks within a reach of a place, and within a width of its normal. */
-void BorderTest::listBlocksAlong(const Vector3& place, const SweepPlane& plane, double reach,
-                                 double width) {
-  listBlocks(place, reach);
-  const BlockTree::Level& boxes = store_.tree().levels().front();
-  const auto isBeside = [&](std::uint32_t b) {
-    const Vector3 low = subtract({boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]}, place);
-    const Vector3 high = subtract({boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]}, place);
-    const auto isBeyond = [&](const Vector3& axis) {
-      double least = 0, most = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        least += axis[a] * (axis[a] > 0 ? low[a] : high[a]);
-        most += axis[a] * (axis[a] > 0 ? high[a] : low[a]);
-      }
-      return std::max(least, -most) > kBoxMargin * width;
-    };
-    return isBeyond(plane.axes[0]) || isBeyond(plane.axes[1]);
-  };
-  blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(), isBeside), blocks_.end());
+  const bool all = keepEnough(constants_.enough_blocks, blocks_) == 1;
+  kernels::gatherOffsets(store_, blocks_, place, reach, side_, near_);
+  return all;
 }
 
 /** Whether another border point, of about the same direction, is next to one. */
@@ -166,7 +140,8 @@ bool BorderTest::hasPartner(std::size_t point, std::uint32_t flag) {
   const double spacing = spacing_.of(point / PointStore::kBlock);
   const double reach = constants_.partner * (0.5 * hole_size_ * spacing + noise_);
   listBlocks(place, reach);
-  const std::vector<std::uint32_t> blocks = enoughBlocks();  // tests of others use the members
+  keepEnough(constants_.enough_blocks, blocks_);
+  const std::vector<std::uint32_t> blocks = blocks_;  // tests of others use the member
   for (const std::size_t b : blocks) {
     const std::size_t end = std::min((b + 1) * PointStore::kBlock, store_.size());
     for (std::size_t i = b * PointStore::kBlock; i < end; ++i) {
@@ -224,20 +199,16 @@ bool BorderTest::findFree(double reach, double* middle) {
   return true;
 }
 
-/** Whether a disc as wide as the reach touches the place and is empty, as findFree(). Gathers all
- * points that may be in one. */
-bool BorderTest::findFreeDisc(const Vector3& place, const SweepPlane& plane, double reach,
-                              double spacing, double* middle) {
-  const double length = std::hypot(reach, constants_.plane_noise * noise_);
-  listBlocksAlong(place, plane, length, reach);
-  const std::vector<std::uint32_t>& enough = enoughBlocks();
-  const auto isFree = [&](const std::vector<std::uint32_t>& blocks) {
-    kernels::gatherOffsets(store_, blocks, place, length, side_, near_);
-    kernels::findBlocked(plane, reach, kCoincident * spacing, near_);
-    return findFree(reach, middle);
-  };
-  // What a part of the points blocks, all of them block.
-  return isFree(enough) && (&enough == &blocks_ || isFree(blocks_));
+/** As findFree(), of all points that may be in a disc. \param[in] all whether they are gathered; else
+ * a part is, and what it blocks, all of them block. */
+bool BorderTest::findFreeOfAll(const Vector3& place, const SweepPlane& plane, double reach,
+                               double spacing, bool all, double* middle) {
+  kernels::findBlocked(plane, reach, kCoincident * spacing, near_);
+  if (!findFree(reach, middle)) return false;
+  if (all) return true;
+  gather(place, std::hypot(reach, constants_.plane_noise * noise_));
+  kernels::findBlocked(plane, reach, kCoincident * spacing, near_);
+  return findFree(reach, middle);
 }
 
 /** Whether discs are empty in every plane turned about the rim, along the v axis, as well. */
@@ -335,16 +306,19 @@ std::uint32_t BorderTest::measure(std::size_t point) {
   Vector3 direction{};
   for (int step = 0; step < kSteps; ++step) {
     const double reach = hole_size_ * spacing;
-    gatherEnough(place, std::max(reach, plane_noise));
-    SweepPlane plane = findPlane(spacing);
+    SweepPlane plane;
     if (plane_noise > reach) {  // about the point's foot
+      gatherEnough(place, plane_noise);
+      plane = findPlane(spacing);
       const Vector3 foot = along(place, plane.height, plane.axes[2]);
       gatherEnough(foot, plane_noise);
       plane = findPlane(spacing);
       plane.height += dot(subtract(foot, place), plane.axes[2]);
     }
+    const bool all = gatherEnough(place, std::hypot(reach, plane_noise));
+    if (plane_noise <= reach) plane = findPlane(spacing);
     double middle = 0;
-    if (!findFreeDisc(place, plane, reach, spacing, &middle)) return kInside;
+    if (!findFreeOfAll(place, plane, reach, spacing, all, &middle)) return kInside;
     direction = along(scaled(plane.axes[0], std::cos(middle)), std::sin(middle), plane.axes[1]);
     SweepPlane rim = plane;
     rim.axes = {direction, cross(plane.axes[2], direction), plane.axes[2]};
@@ -353,7 +327,8 @@ std::uint32_t BorderTest::measure(std::size_t point) {
     if (around < constants_.step * spacing) {
       if (around <= spacing) break;
       const double wider = 0.5 * hole_size_ * (spacing + around);
-      if (!findFreeDisc(place, plane, wider, spacing, &middle)) return kInside;
+      const bool all_wider = gatherEnough(place, std::hypot(wider, plane_noise));
+      if (!findFreeOfAll(place, plane, wider, spacing, all_wider, &middle)) return kInside;
       break;
     }
     spacing = around;

@@ -25,6 +25,7 @@ struct BorderConstants {
   double across = 16.0;  ///< [spacing] the nearest point ahead is looked for up to this
   double step = 1.6;     ///< ratio of spacings across a gap from which the larger one counts
   double partner = 2.0;  ///< [disc's radius + RMS noise] another border point is within
+  std::size_t enough_blocks = 128;  ///< of a ball; they show as much as all that it meets
 };
 
 /** \brief Points around a place as columns, in local units, padded with zeros to whole vectors. */
@@ -37,13 +38,17 @@ struct NearPoints {
   void reserve(std::size_t capacity);
 };
 
-/** \brief A power of two, so that of a number of things at least as many as are enough have an index
- * that it divides, if indices are even; 1 for fewer than twice as many. */
-inline std::uint32_t strideFor(std::size_t count, std::size_t enough) {
-  std::uint32_t stride = 1;
+/** \brief A stride at which of a number of things about enough are left; a power of two, so that those
+ * chosen by their index are the same for all who choose among more or less of them. */
+inline std::size_t strideFor(std::size_t count, std::size_t enough) {
+  std::size_t stride = 1;
   while (count / (2 * stride) >= enough) stride *= 2;
   return stride;
 }
+
+/** \brief Leaves about enough of some blocks, those whose index the stride divides. Balls as wide as
+ * the noise, and discs beside a dense clump, contain far more points than others. \return the stride */
+std::size_t keepEnough(std::size_t enough, std::vector<std::uint32_t>& blocks);
 
 /** \brief Which points are of the place's side, where normals part sheets. */
 struct PlaceSide {
@@ -69,7 +74,7 @@ constexpr int kSweepDirections = 64;  ///< equally spaced
 class LocalSpacing {
  public:
   /** \param[in] noise RMS distance of points from the surface, local length */
-  LocalSpacing(const PointStore& store, double noise);
+  LocalSpacing(const PointStore& store, const BorderConstants& constants, double noise);
 
   /** \brief About a block, local length. */
   float of(std::size_t block);
@@ -82,6 +87,7 @@ class LocalSpacing {
   float raw(std::size_t block);
 
   const PointStore& store_;
+  const BorderConstants& constants_;
   double noise_;
   std::vector<std::atomic<float>> raw_, smooth_;  ///< 0: not yet measured
 };
@@ -118,14 +124,12 @@ class BorderTest {
   std::uint32_t measure(std::size_t point);
   bool hasPartner(std::size_t point, std::uint32_t flag);
   void listBlocks(const Vector3& place, double reach);
-  const std::vector<std::uint32_t>& enoughBlocks();
   void gather(const Vector3& place, double reach);
-  void gatherEnough(const Vector3& place, double reach);
-  void listBlocksAlong(const Vector3& place, const SweepPlane& plane, double reach, double width);
+  bool gatherEnough(const Vector3& place, double reach);
   SweepPlane findPlane(double spacing);
   bool findFree(double reach, double* middle);
-  bool findFreeDisc(const Vector3& place, const SweepPlane& plane, double reach, double spacing,
-                    double* middle);
+  bool findFreeOfAll(const Vector3& place, const SweepPlane& plane, double reach, double spacing,
+                     bool all, double* middle);
   bool isFreeTurned(SweepPlane plane, double reach, double spacing);
   double halfSpacing(const Vector3& direction, double reach);
   bool findAhead(const Vector3& direction, double spacing, Vector3* next) const;
@@ -140,7 +144,7 @@ class BorderTest {
   PlaceSide side_;  ///< of the point at hand
   LocalSpacing& spacing_;
   PointBorders& borders_;
-  std::vector<std::uint32_t> blocks_, some_blocks_, numbers_;
+  std::vector<std::uint32_t> blocks_, numbers_;
   NearPoints near_;
   std::vector<float> squares_;
 };

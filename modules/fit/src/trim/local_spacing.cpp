@@ -14,13 +14,15 @@ constexpr std::size_t kNeighbors = 16;
 constexpr double kInNoise = 3.6;      ///< [RMS noise] nearer points are less than a surface's
 constexpr std::size_t kAround = 4;    ///< blocks before and after
 constexpr std::size_t kQuantile = 4;  ///< tenths
-/// Blocks that are counted of a ball as wide as the noise. It may contain most of a dense clump.
-constexpr std::size_t kEnoughBlocks = 128;
 
 }  // namespace
 
-LocalSpacing::LocalSpacing(const PointStore& store, double noise)
-    : store_(store), noise_(noise), raw_(store.numBlocks()), smooth_(store.numBlocks()) {}
+LocalSpacing::LocalSpacing(const PointStore& store, const BorderConstants& constants, double noise)
+    : store_(store),
+      constants_(constants),
+      noise_(noise),
+      raw_(store.numBlocks()),
+      smooth_(store.numBlocks()) {}
 
 float LocalSpacing::raw(std::size_t block) {
   float spacing = raw_[block].load(std::memory_order_relaxed);
@@ -93,9 +95,7 @@ float LocalSpacing::at(std::size_t point) const {
   const auto countWithin = [&](double reach, std::size_t enough_blocks) {
     blocks.clear();
     store_.tree().blocksInBall(center, static_cast<float>(reach), blocks);
-    every = std::max<std::size_t>(1, blocks.size() / enough_blocks);
-    for (std::size_t b = 0; b < blocks.size(); b += every) blocks[b / every] = blocks[b];
-    blocks.resize((blocks.size() + every - 1) / every);
+    every = keepEnough(enough_blocks, blocks);
     const std::size_t most = (blocks.size() + 1) * PointStore::kBlock;
     if (found.size() < most) {
       found.resize(most);
@@ -109,7 +109,8 @@ float LocalSpacing::at(std::size_t point) const {
   const std::size_t enough = std::min(kNeighbors + 1, store_.size());
   const double guess = guessAt(point);
   double reach = std::max(guess, in_noise);
-  std::size_t count = countWithin(reach, guess > in_noise ? store_.numBlocks() : kEnoughBlocks);
+  std::size_t count =
+      countWithin(reach, guess > in_noise ? store_.numBlocks() : constants_.enough_blocks);
   while (count < enough) {
     if (every == 1) reach *= 1.4;
     count = countWithin(reach, store_.numBlocks());

@@ -155,7 +155,7 @@ void TrimMaker::prepare(std::size_t begin, std::size_t end) {
  * there are many, as beside a dense clump, a part is tested, the same from all leaves. */
 bool TrimMaker::dataEndAtGaps() {
   constexpr auto kMost = static_cast<float>(kTrim.looked_at * kTrim.looked_at);
-  const std::uint32_t stride = strideFor(rims_.size(), kTrim.enough_rims);
+  const std::size_t stride = strideFor(rims_.size(), kTrim.enough_rims);
   const auto border = std::find_if(rims_.begin(), rims_.end(), [&](std::uint32_t k) {
     const float u = points_.u[k], v = points_.v[k], w = points_.w[k];
     return points_.index[k] % stride == 0 && u * u + v * v + w * w < kMost &&
@@ -176,7 +176,7 @@ void TrimMaker::markOpen(std::uint32_t k) {
 bool TrimMaker::standsOff(std::size_t i, SupportedSurface& surface) {
   if (!support_.standsOff(points_, surface)) return false;
   double widest = kBorder.step * surface.spacing;
-  const std::uint32_t stride = strideFor(rims_.size(), kTrim.enough_rims);
+  const std::size_t stride = strideFor(rims_.size(), kTrim.enough_rims);
   for (const std::uint32_t k : rims_) {
     if (points_.index[k] % stride == 0)
       widest = std::max<double>(widest, local_spacing_.at(points_.index[k]) / surface_.radius[i]);
@@ -239,7 +239,7 @@ constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no resu
 std::uint64_t makeTrimMaps(const PointStore& store, const FitPlan& plan, const FitParams& params,
                            int threads, SLIMSurface& surface) {
   if (!params.trim || params.paper_mode) return 0;
-  LocalSpacing spacing(store, std::sqrt(plan.noise));
+  LocalSpacing spacing(store, kBorder, std::sqrt(plan.noise));
   PointBorders borders(store.size());
   OpenBlocks open(store.numBlocks());
   std::vector<std::unique_ptr<TrimMaker>> makers;
