@@ -178,6 +178,15 @@ TEST(SharedNoise, StepsAreFoundInATurnedCloud) {
   }
 }
 
+TEST(SharedNoise, StepsAreNamedWhereSharedNoiseExplainsThemAsWell) {
+  measure::DepthCamera camera;
+  camera.sigma = camera.depth_step = 0.005;
+  const PointStore store = storeOf(cloudOf(cameraScan("wave15", camera)));
+  const NoiseLevel noise = recognized(store);
+  EXPECT_GT(noise.correlation, 2.0);  // that of rounding alone is 2 here
+  EXPECT_NEAR(noise.step * store.scale(), 0.005, 0.0001);
+}
+
 TEST(SharedNoise, AGridIsNoSteps) {
   // x and y take few values, z is what noise makes it.
   EXPECT_EQ(recognized(boxNoise(1, 0.002)).step, 0.0);
