@@ -3,6 +3,7 @@
 // nanoflann build plus one 10-neighbour pass with eigenvalues on the same points, measured beside
 // each fit, so that figures compare across machines.
 #include <cstdio>
+#include <random>
 
 #include "common/run_program.h"
 #include "fit/nanoflann_unit.h"
@@ -22,7 +23,7 @@ constexpr double kNormalNoise = 0.05;
 struct Settings {
   std::string points = "100000,438000,1000000,5000000", degree = "1,2,3,4", threads = "1,2";
   std::string normals = "1,0", t_mdl = "0.01,0", noise = "0", shape = "bumpy", vectors = "best";
-  int repeats = 3;
+  int repeats = 3, clump = 0;
   /** Beyond this many points the sweep keeps two settings only; asking for one lifts it. */
   double sweep_limit = 2e6;
 
@@ -55,6 +56,8 @@ OptionTable declareOptions(Settings& s) {
   options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
   options.text("shape", &s.shape, "NAME,...", "sphere, torus, bumpy, relief");
   options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
+  options.integer("clump", &s.clump, 0, 100000000,
+                  "points more about the first one, scattered by half the noise");
   options.integer("repeats", &s.repeats, 1, 100, "runs of each row; medians are shown");
   return options;
 }
@@ -143,11 +146,24 @@ Error measureRow(const Row& row, int repeats, const measure::Scene& scene,
   return {};
 }
 
+/** Adds the points of a sensor that stood still: about the first point, inside the noise. */
+void addClump(int count, double noise, measure::Scene& scene) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> gauss(0.0, 0.5 * noise * scene.diagonal);
+  for (int i = 0; i < 3 * count; ++i) {
+    const auto axis = static_cast<std::size_t>(i % 3);
+    scene.points.push_back(scene.points[axis] + gauss(random));
+    scene.normals.push_back(scene.normals[axis]);
+  }
+}
+
 /** All rows of one cloud. */
 Error measureCloud(const Settings& s, Row row) {
   measure::Shape shape;
   measure::parseShape(row.shape, shape);
-  const measure::Scene scene = measure::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
+  measure::Scene scene = measure::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
+  addClump(s.clump, row.noise, scene);
+  row.points += static_cast<std::size_t>(s.clump);
   const std::vector<float> xyz(scene.points.begin(), scene.points.end());
   for (double t_mdl : s.t_mdl_list) {
     for (double degree : s.degree_list) {
