@@ -79,6 +79,8 @@ between .19 "$(part r.json level_of_detection)" .21 'the level with a registrati
 expect 0 '' before.pcd plate.stl mesh.pcd -json r.json
 between -.21 "$(part r.json mean)" -.19 'the mean below a plate'
 expect 0 '' plate.stl before.pcd plate.ply -json r.json
+# Edges of two spacings of the scan, not the finest that are allowed.
+between 1000 "$(value r.json places)" 10000 'the places of a plate'
 between .19 "$(part r.json mean)" .21 'the mean above a sheet'
 header plate.ply 'element face 2'
 header plate.ply 'property float deviation'
