@@ -26,25 +26,9 @@ bool within(T value, T low, T high) {
   return value >= low && value <= high;
 }
 
-Error checkInfo(const SurfaceInfo& info) {
-  if (info.degree < 1 || info.degree > kMaxDegree) return badInput("surface degree is not 1..4");
-  for (const double o : info.origin) {
-    if (!within(o, -kMostWorldLength, kMostWorldLength))
-      return badInput("the surface's origin is not finite or too far away; fit it again");
-  }
-  if (!within(info.scale, kLeastScale, kMostWorldLength))
-    return badInput("the surface's scale is not a usable positive number; fit it again");
-  if (!within(info.diagonal, 0.0, double{kMostLength}) || !within(info.lambda, 0.0, 0x1p40))
-    return badInput("the surface's diagonal or noise variance is out of range; fit it again");
-  if (!within(info.correlation, 1.0, 0x1p100))
-    return badInput(
-        "the surface's correlation of the noise is not a number from 1 on; fit it again");
-  if (!within(info.penalty, 0.0, 0x1p100) || !within(info.t_mdl, 0.0, 0x1p100))
-    return badInput("the surface's penalty or T_MDL is negative or not finite; fit it again");
-  const auto isShare = [](double value) { return value > 0.0 && value <= 1.0; };
-  if (!isShare(info.cover_radius) || !isShare(info.cover_threshold))
-    return badInput("the surface's cover radius or threshold is not within 0 to 1; fit it again");
-  return {};
+bool isKernel(WeightKernel kernel) {
+  return kernel == WeightKernel::kPower2 || kernel == WeightKernel::kPower4 ||
+         kernel == WeightKernel::kPower7 || kernel == WeightKernel::kGaussian;
 }
 
 /** Checks the numbers of one surfel. */
@@ -258,9 +242,32 @@ void SLIMSurface::flip(std::size_t i) {
   if (!texture(i).empty()) mirrorTexture(textures.data() + texture_begin[i]);
 }
 
+Error SurfaceInfo::validate() const {
+  if (degree < 1 || degree > kMaxDegree) return badInput("surface degree is not 1..4");
+  if (!isKernel(fit_kernel) || !isKernel(blend_kernel))
+    return badInput("the surface's kernel is none of this library's; fit it again");
+  for (const double o : origin) {
+    if (!within(o, -kMostWorldLength, kMostWorldLength))
+      return badInput("the surface's origin is not finite or too far away; fit it again");
+  }
+  if (!within(scale, kLeastScale, kMostWorldLength))
+    return badInput("the surface's scale is not a usable positive number; fit it again");
+  if (!within(diagonal, 0.0, double{kMostLength}) || !within(lambda, 0.0, 0x1p40))
+    return badInput("the surface's diagonal or noise variance is out of range; fit it again");
+  if (!within(correlation, 1.0, 0x1p100))
+    return badInput(
+        "the surface's correlation of the noise is not a number from 1 on; fit it again");
+  if (!within(penalty, 0.0, 0x1p100) || !within(t_mdl, 0.0, 0x1p100))
+    return badInput("the surface's penalty or T_MDL is negative or not finite; fit it again");
+  const auto isShare = [](double value) { return value > 0.0 && value <= 1.0; };
+  if (!isShare(cover_radius) || !isShare(cover_threshold))
+    return badInput("the surface's cover radius or threshold is not within 0 to 1; fit it again");
+  return {};
+}
+
 Error SLIMSurface::validate() const {
   const std::size_t n = size();
-  if (Error defect = checkInfo(info)) return defect;
+  if (Error defect = info.validate()) return defect;
   for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     if (column->size() != n) return badInput("surface columns have different lengths");
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "file/slim_file.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "support/sphere_surface.h"
 #include "support/temporary_folder.h"
@@ -140,6 +141,25 @@ TEST(SlimBlocks, AnyChangedByteIsNoticed) {
     auto changed = bytes;
     changed[at] ^= 0x20;
     EXPECT_FALSE(decodeSlim(changed.data(), changed.size())) << at;
+  }
+}
+
+TEST(SlimBlocks, AHeaderThatCannotBeIsAnErrorWithoutABlock) {
+  const auto decoded = [](const SurfaceInfo& info, std::uint64_t surfels) {
+    detail::ByteWriter file;
+    detail::putSlimHeader(info, detail::kSlimBlocksVersion, surfels, 16, file);
+    file.putUnsigned(std::uint64_t{detail::kSlimHeaderBytes});  // where the directory begins
+    file.putUnsigned(std::uint64_t{0});                         // its entries
+    detail::sealSlim(file.bytes);
+    return decodeSlim(file.bytes.data(), file.bytes.size());
+  };
+  EXPECT_TRUE(decoded({}, 0));
+  EXPECT_FALSE(decoded({}, 1));
+  for (double SurfaceInfo::*const member : {&SurfaceInfo::scale, &SurfaceInfo::lambda,
+                                            &SurfaceInfo::penalty, &SurfaceInfo::cover_radius}) {
+    SurfaceInfo info;
+    info.*member = -1.0;
+    EXPECT_FALSE(decoded(info, 0));
   }
 }
 

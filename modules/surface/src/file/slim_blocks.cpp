@@ -90,11 +90,14 @@ Result<SlimDirectory> readDirectory(const ReadAt& read, std::uint64_t size) {
   head.insert(head.end(), entries.begin(), entries.end());
   if (slimChecksum(head.data(), head.size()) != announcedChecksum(head.data())) return corrupted();
   ByteReader in(entries.data());
+  std::uint64_t sum = 0;
   for (std::uint64_t b = 0; b < count; ++b) {
     directory.blocks.push_back(getEntry(in));
     const SlimBlock& block = directory.blocks.back();
     if (block.offset > begin || block.bytes > begin - block.offset) return corrupted();
+    sum += block.surfels;
   }
+  if (sum != directory.surfels) return contradictorySlim();
   return directory;
 }
 

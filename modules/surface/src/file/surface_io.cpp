@@ -32,16 +32,6 @@ constexpr std::uint32_t kNewest = kSlimTexturesVersion;
 constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
 
-bool plausible(const SurfaceInfo& info) {
-  const auto known = [](WeightKernel k) {
-    return k == WeightKernel::kPower2 || k == WeightKernel::kPower4 || k == WeightKernel::kPower7 ||
-           k == WeightKernel::kGaussian;
-  };
-  return info.degree >= 1 && info.degree <= kMaxDegree && known(info.fit_kernel) &&
-         known(info.blend_kernel) && std::isfinite(info.correlation) && std::isfinite(info.scale) &&
-         info.scale > 0.0 && isFinite(info.origin);
-}
-
 /** Sets a header's checksum. */
 void setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes) {
   ByteWriter out;
@@ -148,7 +138,7 @@ Result<std::uint64_t> getSlimHeader(const unsigned char* bytes, SurfaceInfo& inf
         &info.lambda, &info.penalty, &info.t_mdl, &info.cover_radius, &info.cover_threshold}) {
     *value = in.getDouble();
   }
-  if (!plausible(info)) return contradictorySlim();
+  if (Error error = info.validate()) return error;
   return count;
 }
 

@@ -32,7 +32,7 @@ struct TextureStatistics {
 };
 
 /** \brief How a surface was made, and the units it is stored in. */
-struct SurfaceInfo {
+struct PCL_SLIM_EXPORT SurfaceInfo {
   int degree = 4;  ///< highest polynomial degree, 1..4
   WeightKernel fit_kernel = WeightKernel::kPower4;
   WeightKernel blend_kernel = WeightKernel::kPower4;
@@ -53,6 +53,11 @@ struct SurfaceInfo {
   /** \brief Whether all leaves that face away are behind others, so that pictures do without them.
    */
   bool hasFront() const { return oriented && !sides_in_doubt; }
+
+  /** \brief Checks all numbers: finite, and in ranges where computations neither overflow nor
+   * vanish.
+   */
+  Error validate() const;
 };
 
 /** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
