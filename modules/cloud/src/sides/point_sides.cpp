@@ -69,17 +69,65 @@ Eigen::Matrix3d axesOf(const Eigen::Vector3f& own) {
   return axes;
 }
 
+/** The kNearest nearest points of some points, themselves included: rounds look at them again and
+ * again. */
+class NearestPoints {
+ public:
+  /** A list of points. */
+  struct List {
+    const std::uint32_t *first, *last;
+
+    const std::uint32_t* begin() const { return first; }
+    const std::uint32_t* end() const { return last; }
+    std::size_t size() const { return static_cast<std::size_t>(last - first); }
+  };
+
+  /** \param[in] listOf called once for each of the points, by several threads */
+  template <class ListOf>
+  void collect(const std::vector<std::uint32_t>& points, std::size_t stored, int threads,
+               const ListOf& listOf) {
+    constexpr std::size_t kTask = 256;
+    each_ = std::min(kNearest, stored);
+    lists_.resize(each_ * points.size());
+    parallelFor(points.size(), threads, kTask, [&](std::size_t k, int thread) {
+      const List list = listOf(points[k], thread);
+      std::copy(list.begin(), list.end(), lists_.begin() + static_cast<std::ptrdiff_t>(each_ * k));
+    });
+    index_.assign(stored, kNone);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      index_[points[k]] = static_cast<std::uint32_t>(k);
+  }
+
+  bool has(std::size_t point) const { return !index_.empty() && index_[point] != kNone; }
+  List of(std::size_t point) const {
+    const std::uint32_t* const first = lists_.data() + each_ * index_[point];
+    return {first, first + each_};
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  std::size_t each_ = 0;
+  std::vector<std::uint32_t> index_;  ///< of each stored point's list
+  std::vector<std::uint32_t> lists_;
+};
+
 /** Decides which sheet a point is on, one point at a time. Each thread has one. */
 class SheetChoice {
  public:
-  explicit SheetChoice(const PointStore& store) : store_(store), search_(store) {}
+  using Points = NearestPoints::List;
+
+  /** \param[in] known lists, which may be collected later */
+  SheetChoice(const PointStore& store, const NearestPoints& known)
+      : store_(store), known_(known), search_(store) {}
 
   /** The nearest points of a stored point, itself included. \param[in] factor of kNearest */
-  const std::vector<std::uint32_t>& nearest(std::size_t point, std::size_t factor = 1) {
+  Points nearest(std::size_t point, std::size_t factor = 1) {
+    if (factor == 1 && known_.has(point)) return near_ = known_.of(point);
     const std::size_t count = factor * kNearest;
     const float about = kRadiusMargin * static_cast<float>(count) * reach_sq_;
-    reach_sq_ = search_.nearestSet(point, count, near_, about) / static_cast<float>(count);
-    return near_;
+    reach_sq_ = search_.nearestSet(point, count, found_, about) / static_cast<float>(count);
+    return near_ = {found_.data(), found_.data() + found_.size()};
   }
 
   /** Whether one of two points of a block is near points that face the other way. */
@@ -89,7 +137,7 @@ class SheetChoice {
       const std::size_t i = std::min(block * PointStore::kBlock + probe, store_.size() - 1);
       const Eigen::Vector3f own = normalAt(normals, i);
       const auto faces = [&](std::uint32_t j) { return own.dot(normalAt(normals, j)) < 0; };
-      const auto& near = nearest(i, 2);
+      const Points near = nearest(i, 2);
       if (std::any_of(near.begin(), near.end(), faces)) return true;
     }
     return false;
@@ -177,8 +225,10 @@ class SheetChoice {
   }
 
   const PointStore& store_;
+  const NearestPoints& known_;
   NeighborSearch search_;
-  std::vector<std::uint32_t> near_, same_, others_;
+  Points near_{};
+  std::vector<std::uint32_t> found_, same_, others_;
   float reach_sq_ = 0;  ///< squared radius of the last search over its number of points
 };
 
@@ -241,8 +291,12 @@ void settleSides(const PointStore& store, const std::vector<char>& on_rods, int 
                  Normals& normals) {
   constexpr int kMostRounds = 30;
   threads = resolveThreads(threads);
-  std::vector<SheetChoice> choices(static_cast<std::size_t>(threads), SheetChoice(store));
+  NearestPoints known;
+  std::vector<SheetChoice> choices(static_cast<std::size_t>(threads), SheetChoice(store, known));
   const std::vector<std::uint32_t> facing = pointsFacingOthers(store, on_rods, normals, choices);
+  known.collect(facing, store.size(), threads, [&](std::size_t point, int thread) {
+    return choices[static_cast<std::size_t>(thread)].nearest(point);
+  });
   std::vector<std::uint32_t> open = facing, changed;
   for (int round = 0; round < kMostRounds && !open.empty(); ++round) {
     const Normals settled = normalsOf(
