@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -37,31 +38,41 @@ class BytesFile {
   std::string path_;
 };
 
-/** Whether a table has all values of another. Fields may have moved and have wider types, and a name
- * that occurs twice may have got a '_'; a packed colour may have come back as another type. */
-bool hasValuesOf(const PointTable& table, const PointTable& other) {
+/** Whether two fields have the same values. */
+bool haveSameValues(const PointTable& a, const PointField& field_a, const PointTable& b,
+                    const PointField& field_b) {
   const auto at = [](const PointTable& cloud, const PointField& field, std::size_t i,
                      std::size_t k) {
     const std::size_t offset = field.offset + k * scalarSize(field.datatype);
     return readScalar(cloud.data.data() + i * cloud.point_step + offset, field.datatype);
   };
-  if (numPoints(table) != numPoints(other)) return false;
-  if (table.data == other.data) return true;
-  for (const PointField& field : other.fields) {
-    if (field.name == "rgb" || field.name == "rgba") continue;
-    int index = findField(table, field.name);
-    if (index < 0) index = findField(table, field.name + "_");
-    if (index < 0) return false;
-    const PointField& found = table.fields[static_cast<std::size_t>(index)];
-    if (found.count != field.count) return false;
-    for (std::size_t i = 0; i < numPoints(other); ++i) {
-      for (std::size_t k = 0; k < field.count; ++k) {
-        const double a = at(table, found, i, k), b = at(other, field, i, k);
-        if (!(a == b || (std::isnan(a) && std::isnan(b)))) return false;
-      }
+  if (field_a.count != field_b.count) return false;
+  for (std::size_t i = 0; i < numPoints(a); ++i) {
+    for (std::size_t k = 0; k < field_a.count; ++k) {
+      const double x = at(a, field_a, i, k), y = at(b, field_b, i, k);
+      if (!(x == y || (std::isnan(x) && std::isnan(y)))) return false;
     }
   }
   return true;
+}
+
+/** Whether a name is another one with any number of '_' behind. */
+bool continues(const std::string& name, const std::string& other) {
+  return name.compare(0, other.size(), other) == 0 &&
+         name.find_first_not_of('_', other.size()) == std::string::npos;
+}
+
+/** Whether a table has all values of another. Fields may have moved and have wider types, and names
+ * that occur twice may have got a '_'; a packed colour may have come back as another type. */
+bool hasValuesOf(const PointTable& table, const PointTable& other) {
+  if (numPoints(table) != numPoints(other)) return false;
+  if (table.data == other.data) return true;
+  return std::all_of(other.fields.begin(), other.fields.end(), [&](const PointField& field) {
+    if (field.name == "rgb" || field.name == "rgba") return true;
+    return std::any_of(table.fields.begin(), table.fields.end(), [&](const PointField& found) {
+      return continues(found.name, field.name) && haveSameValues(table, found, other, field);
+    });
+  });
 }
 
 /** Points, and what surfaces and splats they make; a file that is read is written and read again.
