@@ -94,7 +94,7 @@ std::vector<signed char> signsOfGiven(const std::vector<SidePatch>& patches,
     // A few points behind others are points that noise has moved, no thin part.
     const double behind = std::min(sizes[a], sizes[b]) < kFew ? -1 : kBehind;
     const double agreement =
-        std::max(0.0, e.agreement) + behind * pair.behind - pair.level - pair.ahead;
+        std::max(0.0f, e.agreement) + behind * pair.behind - pair.level - pair.ahead;
     if (agreement != 0) between.push_back({a, b, agreement});
   }
   SignedParts found;

@@ -18,8 +18,15 @@ constexpr double kLeastAgreement = 0x1p-20;  ///< a weaker agreement is none [st
 /** Edge between two components. */
 struct Edge {
   std::uint32_t a, b;
-  double agreement;
+  float agreement;
 };
+
+/** An edge with its lesser node first. */
+template <typename AnyEdge>
+Edge ordered(const AnyEdge& e) {
+  const std::uint32_t a = e.a, b = e.b;
+  return {std::min(a, b), std::max(a, b), e.agreement};
+}
 
 /** Components under contraction: a forest with parities, and the edges between roots. */
 class Contraction {
@@ -27,9 +34,7 @@ class Contraction {
   Contraction(std::size_t nodes, const std::vector<SignedEdge>& edges)
       : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone) {
     for (std::size_t i = 0; i < nodes; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-    sortByEnds(edges, [](const SignedEdge& e) {
-      return Edge{std::min(e.a, e.b), std::max(e.a, e.b), e.agreement};
-    });
+    sortByEnds(edges);
     sumSorted();
   }
 
@@ -60,7 +65,7 @@ class Contraction {
 
  private:
   double strongest() const {
-    double most = 0;
+    float most = 0;
     for (const Edge& e : edges_) most = std::max(most, std::abs(e.agreement));
     return most;
   }
@@ -108,7 +113,8 @@ class Contraction {
     for (const Edge& e : edges_) {
       int sign_a, sign_b;
       const std::uint32_t a = root(e.a, sign_a), b = root(e.b, sign_b);
-      if (a != b) edges_[kept++] = {a, b, sign_a * sign_b * e.agreement};
+      const auto sign = static_cast<float>(sign_a * sign_b);
+      if (a != b) edges_[kept++] = {a, b, sign * e.agreement};
     }
     edges_.resize(kept);
     sumParallel();
@@ -117,9 +123,7 @@ class Contraction {
   /** Replaces edges between the same two components by their sum. */
   void sumParallel() {
     sorted_.swap(edges_);
-    sortByEnds(sorted_, [](const Edge& e) {
-      return Edge{std::min(e.a, e.b), std::max(e.a, e.b), e.agreement};
-    });
+    sortByEnds(sorted_);
     sumSorted();
   }
 
@@ -138,14 +142,15 @@ class Contraction {
 
   /** Sorts other edges by both ends into edges_, stably: a counting sort by the first end, then each
    * node's few edges. */
-  template <typename Edges, typename Ordered>
-  void sortByEnds(const Edges& from, const Ordered& ordered) {
+  template <typename Edges>
+  void sortByEnds(const Edges& from) {
     const auto before = [](const Edge& x, const Edge& y) {
       return x.a != y.a ? x.a < y.a : x.b < y.b;
     };
     edges_.resize(from.size());
     if (kFewEdges * from.size() < parent_.size()) {
-      std::transform(from.begin(), from.end(), edges_.begin(), ordered);
+      std::transform(from.begin(), from.end(), edges_.begin(),
+                     [](const auto& e) { return ordered(e); });
       std::stable_sort(edges_.begin(), edges_.end(), before);
       return;
     }

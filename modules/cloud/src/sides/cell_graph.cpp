@@ -41,7 +41,7 @@ void addNearEdges(std::uint32_t cell, const std::vector<CellSheet>& sheets,
     const double cosine = dot(sheets[cell].normal, sheets[other].normal);
     double agreement = apart ? -cosine : cosine;
     if (back > 0) agreement += near[other].isOther(back) ? -cosine : cosine;
-    edges.push_back({cell, other, agreement, apart});
+    edges.emplace_back(cell, other, agreement, apart);
   }
 }
 
@@ -59,7 +59,7 @@ void addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<
       const double height = dot(subtract(cut.cells[other].mean, from), own.normal);
       const double spread = std::max(own.spread, sheets[other].spread);
       if (std::abs(cosine) < kLeastCosine || height * height < apart_sq * spread) continue;
-      edges.push_back({cell, other, -cosine, true});
+      edges.emplace_back(cell, other, -cosine, true);
       break;
     }
   }
@@ -90,11 +90,14 @@ CellGraph graphOf(const SideCells& cut, const SideConstants& constants, int thre
   });
   std::vector<std::vector<SignedEdge>> edges(tasks);
   parallelFor(tasks, threads, 1, [&](std::size_t t, int) {
+    thread_local std::vector<SignedEdge> found;  // a copy of it has no spare room
+    found.clear();
     for (std::size_t c = t * kTask; c < std::min(n, (t + 1) * kTask); ++c) {
       const auto cell = static_cast<std::uint32_t>(c);
-      addNearEdges(cell, sheets, near, constants, edges[t]);
-      addFacingEdges(cell, cut, sheets, constants, edges[t]);
+      addNearEdges(cell, sheets, near, constants, found);
+      addFacingEdges(cell, cut, sheets, constants, found);
     }
+    edges[t].assign(found.begin(), found.end());
   });
   CellGraph graph;
   graph.neighbors = neighborsOnSheets(near, constants, threads);

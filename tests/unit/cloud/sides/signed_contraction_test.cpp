@@ -67,7 +67,7 @@ TEST(SignedContraction, OrderAndDirectionOfEdgesDoNotMatter) {
   const auto edges = gridEdges(side, hidden, 0.2, 9);
   auto turned = edges;
   std::reverse(turned.begin(), turned.end());
-  for (SignedEdge& e : turned) std::swap(e.a, e.b);
+  for (SignedEdge& e : turned) e = {e.b, e.a, e.agreement};
   EXPECT_EQ(contractSigned(hidden.size(), edges).signs,
             contractSigned(hidden.size(), turned).signs);
   EXPECT_TRUE(contractSigned(0, {}).signs.empty());

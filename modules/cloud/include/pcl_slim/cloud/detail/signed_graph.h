@@ -14,11 +14,21 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Edge between two nodes whose signs should be equal or opposite. */
+/** \brief Edge between two nodes whose signs should be equal or opposite. There are a dozen edges for
+ * each node, so they take 12 bytes. */
 struct SignedEdge {
-  std::uint32_t a, b;
-  double agreement;    ///< weight; > 0: the signs should be equal, < 0: opposite
-  bool apart = false;  ///< the nodes are on two sheets
+  SignedEdge() : b(0), apart(false) {}
+  /** \param[in] second less than 2^31 */
+  SignedEdge(std::uint32_t first, std::uint32_t second, double weight, bool on_two_sheets = false)
+      : a(first),
+        b(second & 0x7fffffffu),
+        apart(on_two_sheets),
+        agreement(static_cast<float>(weight)) {}
+
+  std::uint32_t a = 0;
+  std::uint32_t b : 31;
+  bool apart : 1;       ///< the nodes are on two sheets
+  float agreement = 0;  ///< weight; > 0: the signs should be equal, < 0: opposite
 };
 
 /** \brief Signs of the nodes of a graph, and its connected components. */
