@@ -125,7 +125,7 @@ void printRow(const Row& row, const Timing& t) {
       row.shape.c_str(), row.points, row.noise, penalty, row.degree, row.normals ? "given" : "none",
       row.threads, measure::median(t.units_cpu), measure::median(t.units_wall), us(t.cpu),
       us(t.store), us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.trim), us(t.unit),
-      static_cast<double>(t.fit.gathered) / n, t.counted_bytes / n, peak);
+      static_cast<double>(t.fit.leaves) / n, t.counted_bytes / n, peak);
   std::fflush(stdout);
 }
 
