@@ -214,7 +214,7 @@ Frames plateSeenFrom(double below) {
 TEST(FrameNoise, PlacesSeenFromOneDirectionHaveOneSide) {
   const auto thin = [](const PointStore& store) {
     const detail::ThinPlaces places = detail::findThinPlaces(store, {}, {}, 1);
-    return places.share + places.facing + places.near;
+    return places.share + places.facing;
   };
   EXPECT_GT(thin(plateSeenFrom(-2).store()), 0.5) << "seen from above and below";
   EXPECT_EQ(thin(plateSeenFrom(2.5).store()), 0) << "seen from above";

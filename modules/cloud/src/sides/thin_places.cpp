@@ -74,18 +74,14 @@ struct PlaceFigures {
   bool thin = false;     ///< two sides that a fit would mix (docs/theory.md, "Whether")
   bool flat = false;     ///< thin, by the kurtosis of the residuals alone
   bool facing = false;   ///< two sides that a fit separates by itself
-  bool near = false;     ///< two sides that a fit may separate or mix
 };
 
 /// Largest RMS residual of a cubic that fits [radius of the patch].
 constexpr double kMostResidual = 0.15;
-/// Largest growth of the variance from one patch to the next that is not a rough surface's own.
-constexpr double kReliefGrowth = 4;
 /// Scatter of the kurtosis by chance [standard deviations].
 constexpr double kKurtosisDeviations = 1.5;
 /// Distance of two sheets from which a fit separates them [standard deviation within the sheets].
 constexpr double kSeparateDistance = 10.0;
-constexpr double kSeparateGap = 3.0;  ///< gap from which it does so for certain [spacings]
 /// Number of patches, wider than one that fits, in which another side is sought.
 constexpr int kPatchesBeyond = 2;
 
@@ -103,17 +99,15 @@ class PlaceTest {
     if (showsTwoSides(patch, figures_)) return false;
     thread_local PatchCubic cubic;
     fits_ = fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kMostResidual * patch.radius;
-    // Relief of the surface grows with the patch. Noise and the other side of a part do not.
-    figures_.thin =
-        !fits_ && !(last_variance_ > 0 && cubic.variance > kReliefGrowth * last_variance_);
-    (fits_ ? figures_.variance : last_variance_) = cubic.variance;
+    figures_.thin = !fits_;
+    if (fits_) figures_.variance = cubic.variance;
     return !(fits_ && recognizeSheets(cubic));
   }
 
   const PlaceFigures& figures() const { return figures_; }
-  bool showsAnotherSide() const { return figures_.thin || figures_.facing || figures_.near; }
+  bool showsAnotherSide() const { return figures_.thin || figures_.facing; }
   /** Overrides the patches: the place has one side. */
-  void setOneSided() { figures_.thin = figures_.flat = figures_.facing = figures_.near = false; }
+  void setOneSided() { figures_.thin = figures_.flat = figures_.facing = false; }
   /** Overrides the patches: the place has two sides. */
   void setTwoSided() {
     if (showsAnotherSide()) return;
@@ -149,8 +143,7 @@ class PlaceTest {
     if (fitCubic(patch, cubic) && cubic.variance < sheets.within_sq) return false;
     const double clean_sq = kSeparateDistance * kSeparateDistance * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
-    figures.facing = !figures.thin && sheets.gap > kSeparateGap * figures.spacing;
-    figures.near = !figures.thin && !figures.facing;
+    figures.facing = !figures.thin;
     return true;
   }
 
@@ -167,7 +160,6 @@ class PlaceTest {
 
   const SideConstants* constants_;
   PlaceFigures figures_;
-  double last_variance_ = 0;  ///< variance of the last patch, which did not fit
   bool fits_ = false;
   int patches_beyond_ = 0;  ///< number of patches examined after one that fits
 };
@@ -202,8 +194,6 @@ BeamSides sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>
   return std::min(above, below) > least ? BeamSides::kTwo : BeamSides::kUnknown;
 }
 
-constexpr double kLeastOneSided = 0.1;  ///< least share of places with one side that give the noise
-
 ThinPlaces summarize(const std::vector<PlaceTest>& tests, const std::vector<std::size_t>& sampled) {
   ThinPlaces places;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(tests.size(), 1));
@@ -214,13 +204,11 @@ ThinPlaces summarize(const std::vector<PlaceTest>& tests, const std::vector<std:
     places.share += figure.thin ? share : 0;
     places.flat += figure.flat ? share : 0;
     places.facing += figure.facing ? share : 0;
-    places.near += figure.near ? share : 0;
     spacings.push_back(figure.spacing);
     if (figure.variance >= 0) variances.push_back(figure.variance);
   }
   if (!spacings.empty()) places.spacing = median(spacings);
-  const double flat = share * static_cast<double>(variances.size());
-  if (!variances.empty() && flat >= kLeastOneSided) places.noise = std::sqrt(median(variances));
+  if (!variances.empty()) places.noise = std::sqrt(median(variances));
   return places;
 }
 

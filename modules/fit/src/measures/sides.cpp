@@ -26,7 +26,6 @@ constexpr double kFullNoise = 0.45;  ///< least noise of a noisy cloud
 constexpr double kSure = 0.95;       ///< confidence from which narrower cells are not tried
 constexpr double kLeastCells = 1.0;  ///< least noise that sets the width of cells
 constexpr double kMostDoubt = 0.45;  ///< largest doubt [share of thin places]
-constexpr double kCleanThin = 0.35;  ///< least share of thin places in a clean cloud
 
 /** Points, and what every step of the search reads beside them. */
 struct SideTask {
@@ -60,9 +59,7 @@ bool mayNeedSides(const SideTask& task, const CloudMeasures& measures) {
 struct SideSearch {
   double spacing = 0;       ///< of the points, local length
   double least_apart = 0;   ///< share of the points that must come to face apart
-  double doubt = 0;         ///< largest doubt, ...
-  double first_doubt = 0;   ///< ... or this by the first sides, if it is more
-  bool needed = false;      ///< a fit does not separate these sheets by itself
+  double doubt = 0;         ///< largest doubt
   double noise = 0;         ///< sets the width of the first cells
   double least = 0;         ///< noise below which the spacing alone sets the width of cells
   double unsided = 0;       ///< noise measured without sides
@@ -77,6 +74,7 @@ struct SideSearch {
  * spacings */
 double leastShare(double noise) {
   constexpr double kLeastThin = 0.07;  // from kFullNoise on
+  constexpr double kCleanThin = 0.35;  // in a clean cloud
   constexpr double kCleanNoise = 0.4;  // largest noise of a clean cloud
   const double clean = (kFullNoise - noise) / (kFullNoise - kCleanNoise);
   return kLeastThin + std::clamp(clean, 0.0, 1.0) * (kCleanThin - kLeastThin);
@@ -102,11 +100,8 @@ std::optional<SideSearch> searchFor(const ThinPlaces& thin, double unsided,
   // surer.
   const bool most = thin.share + thin.facing >= kLeastFacing;
   search.for_cover = (most ? unsided : search.noise) < kFullNoise * thin.spacing;
-  search.needed = most || thin.share >= leastShare(search.noise / thin.spacing);
-  const double share = most            ? thin.share + thin.facing
-                       : search.needed ? std::max(thin.share, thin.facing)
-                                       : thin.share + thin.near;
-  if (!search.needed && share < kCleanThin) return {};
+  if (!most && thin.share < leastShare(search.noise / thin.spacing)) return {};
+  const double share = most ? thin.share + thin.facing : std::max(thin.share, thin.facing);
   search.least_apart = kLeastApart * std::max(0.0, share - thin.flat);
   search.doubt = kMostDoubt * share;
   // Wrong sides break up the wide leaves of a clean cloud.
@@ -177,8 +172,7 @@ std::optional<TriedSides> seekSides(const SideTask& task, const SideSearch& sear
     TriedSides next{
         findSides(task.store, noise, search.spacing, SideScope::kAll, cells, task.threads),
         search.spacing};
-    const double most_doubt = best ? search.doubt : std::max(search.doubt, search.first_doubt);
-    const bool doubtful = next.doubt() > most_doubt;
+    const bool doubtful = next.doubt() > search.doubt;
     if (doubtful && best) break;
     if (doubtful || next.sides.thin < search.least_apart) {
       const double least = leastCells(search, noise, best, cells);
@@ -188,7 +182,6 @@ std::optional<TriedSides> seekSides(const SideTask& task, const SideSearch& sear
     }
     const double shown = noiseAtFewPlaces(task.with(withSides(task.store, next.sides.normals)));
     next.noise = shown;
-    if (!search.needed && shown > kSameNoise * search.unsided) break;
     const bool settled = best && shown > kSameNoise * best->noise;  // narrower cells add nothing
     const bool worse = best && (next.cost() > best->cost() ||
                                 (settled && next.doubt() > kDoubtGrowth * best->doubt()));
@@ -240,8 +233,6 @@ std::optional<TriedSides> seekSidesOfFeet(const SideTask& task, const ThinPlaces
       findThinPlaces(store, task.constants.sides, task.constants.noise, task.threads);
   auto search = searchFor(left, noiseAtFewPlaces(moved), task.params);
   if (!search) return {};  // no sides are left to be found
-  // Moved points show fewer thin places, but no fewer doubts.
-  search->first_doubt = kMostDoubt * thin.share;
   // Neighbours share what is left of the noise: small patches do not show all of it.
   const double least = task.constants.side_search.least_moved_noise * noise;
   search->noise = std::max(search->noise, least);
@@ -263,7 +254,7 @@ std::optional<TriedSides> seekSidesOfAll(const SideTask& task, const ThinPlaces&
   std::optional<TriedSides> found = seekSides(task, search);
   // Doubtful sides are better than none: a leaf about both sheets is farther from the points than
   // the noise.
-  if (!found && search.needed && !search.for_cover && correlation < kTerraces) {
+  if (!found && !search.for_cover && correlation < kTerraces) {
     search.doubt = task.constants.side_search.last_doubt;
     found = seekSides(task, search);
   }
@@ -309,8 +300,7 @@ CloudSides sidesOfAll(const SideTask& task, const SideSearch& search, TriedSides
         noiseShare(found, measures.lambda, task.constants.side_search.follow_distance);
   if (sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
   measures.lambda *= sides.noise_share;
-  // Where there is little noise, leaves may start at points whose neighbours face elsewhere.
-  measures.skip_lone_sides = !search.for_cover;
+  measures.skip_lone_sides = true;
   if (!store.hasSensors()) {
     settleSides(store, found.sides.on_rods, task.threads, found.sides.normals);
     store.setSides(found.sides.normals);
@@ -409,7 +399,7 @@ CloudSides sidesBeforeCover(const PointStore& store, const FitParams& params,
   }
   // Errors that neighbours share make terraces, which look like sheets.
   const bool white = !(noise.correlation > 1);
-  if (!white || thin.share + thin.facing + thin.near < kLeastNearSheets) return unsided;
+  if (!white || thin.share + thin.facing < kLeastNearSheets) return unsided;
   return sidesNearSheets(task, thin, std::move(unsided));
 }
 

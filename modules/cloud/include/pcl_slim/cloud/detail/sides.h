@@ -68,10 +68,9 @@ struct ThinPlaces {
   double share = 0;    ///< share of the places that are thin
   double flat = 0;     ///< share of the places that are thin by their residuals' kurtosis alone
   double facing = 0;   ///< share of other places where two sheets face each other
-  double near = 0;     ///< share of other places with sheets near each other, but distinct
   double noise = 0;    ///< RMS residual of cubics at places with one side; 0: too few have
   double spacing = 0;  ///< median distance of neighbouring points [local length]
-  std::vector<std::size_t> thin;  ///< stored points at places of the three kinds
+  std::vector<std::size_t> thin;  ///< stored points at places of both kinds
 };
 
 /** \brief Examines places spread over a cloud for two sides. A place is thin if
