@@ -283,7 +283,7 @@ double noiseShare(const TriedSides& found, double lambda, double follow_distance
 
 /** The cloud with sides of all its points, measured anew. */
 CloudSides sidesOfAll(const SideTask& task, const SideSearch& search, TriedSides found,
-                      CloudSides unsided) {
+                      const CloudSides& unsided) {
   CloudSides result;
   PointStore& store = result.for_cover.emplace(
       found.feet.empty() ? task.store : movedTo(task.store, found.feet, task.threads));
@@ -395,7 +395,7 @@ CloudSides sidesBeforeCover(const PointStore& store, const FitParams& params,
   if (const auto search = searchFor(thin, std::sqrt(unsided.measures.lambda), params)) {
     std::optional<TriedSides> found = seekSidesOfAll(task, thin, noise.correlation, *search);
     if (!found) return unsided;
-    return sidesOfAll(task, *search, std::move(*found), std::move(unsided));
+    return sidesOfAll(task, *search, std::move(*found), unsided);
   }
   // Errors that neighbours share make terraces, which look like sheets.
   const bool white = !(noise.correlation > 1);

@@ -68,7 +68,7 @@ struct ThinPlaces {
   double share = 0;    ///< share of the places that are thin
   double flat = 0;     ///< share of the places that are thin by their residuals' kurtosis alone
   double facing = 0;   ///< share of other places where two sheets face each other
-  double noise = 0;    ///< RMS residual of cubics at places with one side; 0: too few have
+  double noise = 0;    ///< RMS residual of cubics at places with one side; 0: none has
   double spacing = 0;  ///< median distance of neighbouring points [local length]
   std::vector<std::size_t> thin;  ///< stored points at places of both kinds
 };
