@@ -221,10 +221,36 @@ struct PlyColumn {
   std::size_t offset = 0;
 };
 
-/** PLY's columns for a cloud's fields: the inverse of adoptPclFields. */
-Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns) {
+/** PLY's name of a field, by which readers find normals. */
+std::string plyNameOf(const PointField& field) {
+  for (std::size_t i = 0; i < kNumNormalRenames; ++i) {
+    if (field.name == kRenames[i].pcl) return kRenames[i].ply;
+  }
+  return field.name;
+}
+
+bool isPackedColour(const PointField& field) {
+  return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4;
+}
+
+/** The names by which readers find a cloud's colour and normals. */
+std::unordered_set<std::string> takenNames(const PointTable& cloud, const PointField* colour) {
+  std::unordered_set<std::string> taken;
+  if (colour) taken = {"red", "green", "blue", "alpha", "rgb", "rgba"};
   for (const PointField& field : cloud.fields) {
-    if ((field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4) {
+    if (const std::string name = plyNameOf(field); name != field.name) taken.insert(name);
+  }
+  return taken;
+}
+
+/** PLY's columns for a cloud's fields: the inverse of adoptPclFields. No two have one name: another
+ * field whose name is taken gets a longer one. */
+Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns) {
+  const auto packed = std::find_if(cloud.fields.begin(), cloud.fields.end(), isPackedColour);
+  const PointField* const colour = packed == cloud.fields.end() ? nullptr : &*packed;
+  std::unordered_set<std::string> taken = takenNames(cloud, colour);
+  for (const PointField& field : cloud.fields) {
+    if (&field == colour) {
       // In memory PCL's colour is blue, green, red, alpha.
       columns.push_back({"red", kUInt8, field.offset + 2u});
       columns.push_back({"green", kUInt8, field.offset + 1u});
@@ -237,13 +263,12 @@ Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns) {
       return {ErrorCode::kBadArgument,
               "PLY has no type for the field '" + field.name + "'; write a PCD file instead"};
     }
-    std::string name = field.name;
-    for (std::size_t i = 0; i < kNumNormalRenames; ++i) {
-      if (name == kRenames[i].pcl) name = kRenames[i].ply;
-    }
+    const std::string ply = plyNameOf(field);
     for (std::size_t k = 0; k < std::max<std::size_t>(field.count, 1); ++k) {
-      const std::string suffix = field.count > 1 ? "_" + std::to_string(k) : "";
-      columns.push_back({name + suffix, type, field.offset + k * scalarSize(type)});
+      std::string name = field.count > 1 ? ply + "_" + std::to_string(k) : ply;
+      const bool is_normal = ply != field.name && field.count <= 1;
+      while (!is_normal && !taken.insert(name).second) name += '_';
+      columns.push_back({name, type, field.offset + k * scalarSize(type)});
     }
   }
   return {};

@@ -123,6 +123,27 @@ TEST(PointFile, APropertyNamedAsPaddingKeepsItsValues) {
   }
 }
 
+/** PLY has names of its own for colours and normals. */
+TEST(PointFile, PlyKeepsFieldsNamedAsItsColoursAndNormals) {
+  const TemporaryFolder folder;
+  writeText(folder / "a.pcd",
+            "VERSION 0.7\nFIELDS x y z alpha rgba rgb nx normal_x red\nSIZE 4 4 4 1 4 4 4 4 1\n"
+            "TYPE F F F U U U F F U\nCOUNT 1 1 1 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+            "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
+            "1 2 3 4 16909060 6 7 8 9\n1 2 3 14 16909061 16 17 18 19\n");
+  const auto file = loadPointFile(folder / "a.pcd");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_FALSE(savePointFile(folder / "b.ply", *file));
+  const auto again = loadPointFile(folder / "b.ply");
+  ASSERT_TRUE(again) << again.error().message;
+  const std::pair<const char*, const char*> renamed[] = {
+      {"alpha", "alpha_"}, {"rgba", "rgba"}, {"rgb", "rgb_"},
+      {"nx", "nx_"},       {"red", "red_"},  {"normal_x", "normal_x"}};
+  EXPECT_EQ(again->cloud.fields.size(), file->cloud.fields.size());
+  for (const auto& [before, after] : renamed)
+    EXPECT_EQ(value(*again, after, 1), value(*file, before, 1)) << before;
+}
+
 /** Readers find fields by their names. */
 TEST(PointFile, FieldsOfOneNameGetNamesOfTheirOwn) {
   const TemporaryFolder folder;

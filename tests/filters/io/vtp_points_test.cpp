@@ -195,6 +195,32 @@ TEST(VtpPoints, FacesArePolygons) {
   EXPECT_NE(savePointFile(folder / "a.vtp", file).message.find("vertex 9 of 9"), std::string::npos);
 }
 
+TEST(VtpPoints, AFieldWithAnArraysNameIsNotThatArray) {
+  const TemporaryFolder folder;
+  for (const char* color : {"rgb", "rgba"}) {
+    const std::uint8_t type = color == std::string("rgb") ? kFloat32 : kUInt32;
+    PointFile file = randomPoints({{"x", kFloat32, 1},
+                                   {"y", kFloat32, 1},
+                                   {"z", kFloat32, 1},
+                                   {"alpha", kUInt8, 1},
+                                   {"RGB", kUInt8, 3},
+                                   {"Normals", kFloat32, 3},
+                                   {color, type, 1},
+                                   {"normal_x", kFloat32, 1},
+                                   {"normal_y", kFloat32, 1},
+                                   {"normal_z", kFloat32, 1}},
+                                  50);
+    ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+    const auto read = loadPointFile(folder / "a.vtp");
+    ASSERT_TRUE(read) << read.error().message;
+    for (const char* name : {"alpha", "RGB", "Normals"})
+      EXPECT_EQ(fieldBytes(read->cloud, name + std::string("_")), fieldBytes(file.cloud, name));
+    EXPECT_EQ(fieldBytes(read->cloud, "normal_y"), fieldBytes(file.cloud, "normal_y"));
+    const auto packed = fieldBytes(file.cloud, color), again = fieldBytes(read->cloud, "rgba");
+    EXPECT_EQ(again, packed) << color;
+  }
+}
+
 TEST(VtpPoints, ATakenNameGrows) {
   const TemporaryFolder folder;
   PointFile file = randomPoints({{"x", kInt32, 1},

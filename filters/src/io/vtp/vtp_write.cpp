@@ -157,6 +157,11 @@ class Planner {
   explicit Planner(const PointTable& cloud)
       : cloud_(cloud), normals_(tripleOf(cloud, kVtpNormals)) {
     if (!haveType(normals_, kFloat32) && !haveType(normals_, kFloat64)) normals_.clear();
+    if (!normals_.empty()) names_.insert(kVtpNormalArray);
+    const auto color = std::find_if(cloud.fields.begin(), cloud.fields.end(), isPackedColor);
+    if (color == cloud.fields.end()) return;
+    color_ = &*color;
+    names_.insert({kVtpColorArray, kVtpAlphaArray});
   }
 
   Result<std::vector<Plan>> plan() {
@@ -174,11 +179,10 @@ class Planner {
  private:
   void addField(const PointField& field) {
     if (!normals_.empty() && isNameOf(kVtpNormals, field.name)) {
-      if (&field == normals_[0]) add(planOf(kVtpNormalArray, normals_));
+      if (&field == normals_[0]) plans_.push_back(planOf(kVtpNormalArray, normals_));
       return;
     }
-    const bool color = isPackedColor(field) && names_.count(kVtpColorArray) == 0;
-    if (color) return addColor(field);
+    if (&field == color_) return addColor(field);
     Plan plan{field.name, field.datatype, {}};
     for (std::size_t k = 0; k < std::max<std::size_t>(field.count, 1); ++k)
       plan.offsets.push_back(field.offset + k * scalarSize(field.datatype));
@@ -188,14 +192,15 @@ class Planner {
   /** In memory PCL's colour is blue, green, red, alpha. */
   void addColor(const PointField& field) {
     const std::size_t at = field.offset;
-    add({kVtpColorArray, kUInt8, {at + 2, at + 1, at}});
+    plans_.push_back({kVtpColorArray, kUInt8, {at + 2, at + 1, at}});
     bool alpha = field.name == "rgba";
     for (std::size_t i = 0; i < numPoints(cloud_) && !alpha; ++i)
       alpha = cloud_.data[i * cloud_.point_step + at + 3] != 0;
-    if (alpha) add({kVtpAlphaArray, kUInt8, {at + 3}});
+    if (alpha) plans_.push_back({kVtpAlphaArray, kUInt8, {at + 3}});
   }
 
-  /** VTK keeps one array of a name: another one gets a longer name. */
+  /** VTK keeps one array of a name: another one gets a longer name. Those of normals and colours
+   * are taken, wherever these are: readers find them by name. */
   void add(Plan plan) {
     while (!names_.insert(plan.name).second) plan.name += '_';
     plans_.push_back(std::move(plan));
@@ -203,6 +208,7 @@ class Planner {
 
   const PointTable& cloud_;
   std::vector<const PointField*> normals_;
+  const PointField* color_ = nullptr;  ///< the field that VTK shows as colours
   std::set<std::string> names_;
   std::vector<Plan> plans_;
 };
