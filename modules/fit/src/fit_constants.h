@@ -81,7 +81,7 @@ struct CoverConstants {
   double residual_floor = 1e-6;        ///< [r] added to that, for the rounding of exact fits
 };
 
-/** \brief The search for sides before the cover (docs/theory.md, paragraph of that name): what can
+/** \brief The search for sides before the cover (docs/sides.md, paragraph of that name): what can
  * be switched off. The other constants are next to their steps in measures/sides.cpp. */
 struct SideSearchConstants {
   std::size_t least_plane_neighbors = 16;  ///< of a plane that points of doubtful sides move to
@@ -90,7 +90,7 @@ struct SideSearchConstants {
   double last_doubt = 0.3;  ///< largest doubt in a noisy cloud where no width of cells gives sides
 };
 
-/** \brief Common sides without normals (docs/theory.md, "Which side is out"). */
+/** \brief Common sides without normals (docs/sides.md, "Which side is out"). */
 struct OrientConstants {
   std::size_t neighbors = 8;  ///< nearest leaves on each level that a leaf has edges to, 32 at most
   double reach = 0.9;         ///< of r + r': leaves whose centres are farther apart do not overlap

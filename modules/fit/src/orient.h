@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Common sides of surfels fitted without normals (docs/theory.md, "Which side is out").
+// Common sides of surfels fitted without normals (docs/sides.md, "Which side is out").
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise of merged frames: docs/theory.md, "Merged frames".
+// The noise of merged frames: docs/noise.md, "Frames".
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

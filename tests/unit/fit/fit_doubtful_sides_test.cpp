@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Thin parts whose sides the points hardly determine: docs/theory.md, "Sides before the cover".
+// Thin parts whose sides the points hardly determine: docs/sides.md, "Sides before the cover".
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

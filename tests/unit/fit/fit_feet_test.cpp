@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sides of points that are moved to local planes first: docs/theory.md, "Sides before the cover".
+// Sides of points that are moved to local planes first: docs/sides.md, "Sides before the cover".
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The curve of the residual variance of cubics over the size of the patch, which separates noise that
-// neighbours share from detail (docs/theory.md, "Noise that neighbours share").
+// neighbours share from detail (docs/noise.md, "Plateaus").
 #include "noise/noise_curve.h"
 
 #include <algorithm>
@@ -110,7 +110,7 @@ double powerFall(const std::vector<ScaleFigures>& figures, std::size_t i) {
   return fall;
 }
 
-// Constants of (N1).
+// Constants of (N4).
 constexpr double kPlateauGrowth = 0.33;  ///< growth at which the chance of a plateau is 1/e
 /// The same as a share of the greatest growth before. The larger one of the two is used.
 constexpr double kPlateauGrowthRatio = 0.62;
@@ -126,7 +126,7 @@ struct PlateauChance {
   double flat = 0;  ///< its variance hardly grows at all
 };
 
-/** Evaluates (N1). */
+/** Evaluates (N4). */
 std::vector<PlateauChance> plateauChances(const std::vector<ScaleFigures>& figures) {
   std::vector<PlateauChance> chances;
   double no_shape = 1;  // chance that no growth so far was a shape's

@@ -34,7 +34,7 @@ struct LogErrors {
   double variance = 0, correlation = 0;
 };
 
-/** \brief The kernel q of (N1): falls smoothly from 1 at 0 to 0 beyond a width. */
+/** \brief The kernel q of (N4): falls smoothly from 1 at 0 to 0 beyond a width. */
 inline double fallOff(double x, double width) {
   const double ratio = std::max(0.0, x) / width;
   return std::exp(-ratio * ratio * ratio * ratio);

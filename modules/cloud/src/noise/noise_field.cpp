@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How noise varies along the Morton curve (docs/theory.md, "Noise").
+// How noise varies along the Morton curve (docs/noise.md, "Field").
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

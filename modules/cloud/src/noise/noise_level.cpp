@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise of a cloud by its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"),
+// The noise of a cloud by its smallest patches (docs/noise.md, "White noise"),
 // of merged frames, and of its normals.
 #include "pcl_slim/cloud/noise_level.h"
 
@@ -111,7 +111,7 @@ NoiseLevel measurePaperNoise(const PointStore& store, int threads) {
   return noise;
 }
 
-// Noise that points of one frame share (docs/theory.md, "Merged frames"). Frame numbers or sensor
+// Noise that points of one frame share (docs/noise.md, "Frames"). Frame numbers or sensor
 // positions give the points of a frame.
 
 namespace {

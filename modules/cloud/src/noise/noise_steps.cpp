@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise of distances that a sensor rounds (docs/theory.md, "Steps"). Rounding along one direction
+// Noise of distances that a sensor rounds (docs/noise.md, "Steps"). Rounding along one direction
 // puts points on parallel planes.
 #include <Eigen/Eigenvalues>
 #include <algorithm>

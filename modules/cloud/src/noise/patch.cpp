@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patches of points, and the residuals of cubics on them (docs/theory.md, "Noise",
-// "Sheets" and "Noise that neighbours share").
+// Patches of points, and the residuals of cubics on them (docs/noise.md, and
+// docs/theory.md, "Sheets, without normals").
 #include "noise/patch.h"
 
 #include <Eigen/Cholesky>

@@ -135,7 +135,7 @@ bool fitCubic(const Patch& patch, PatchCubic& cubic);
 /** \brief Variance of isotropic noise, from the residual variance of a patch. A patch is a ball
  * around one of its points and cuts large heights off: of the noise s of a plane it leaves the
  * variance s^2 (1 - 2 q - 22 q^2), where q is this variance over R^2. Exact to one per cent of s
- * for radii R >= 2.2 s (docs/theory.md, "Noise"). */
+ * for radii R >= 2.2 s (docs/noise.md, "White noise"). */
 double uncutVariance(double variance, double radius);
 
 /** \brief uncutVariance() of many places along the Morton curve, each with the mean q around it.

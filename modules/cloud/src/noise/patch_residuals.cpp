@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Residuals of small patches as a sensor sees them, by which a frame is compared with the noise of
-// an earlier one (docs/theory.md, "A sensor's next frame").
+// an earlier one (docs/noise.md, "A sensor's next frame").
 #include "pcl_slim/cloud/detail/patch_residuals.h"
 
 #include <algorithm>

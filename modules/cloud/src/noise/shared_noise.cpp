@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a cloud's noise is: white, shared by neighbours, of points on lines or of rounded coordinates
-// (docs/theory.md, "Noise that neighbours share" and "Other noise").
+// (docs/noise.md).
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

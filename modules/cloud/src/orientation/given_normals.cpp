@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Given normals that contradict each other (docs/theory.md, "Which side is out").
+// Given normals that contradict each other (docs/sides.md, "Which side is out").
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sides of patches where nothing but the shape decides (docs/theory.md, "Which side is out").
+// Sides of patches where nothing but the shape decides (docs/sides.md, "Which side is out").
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Signs that are mostly right: regions that contradict their neighbours turn (docs/theory.md, "Which
+// Signs that are mostly right: regions that contradict their neighbours turn (docs/sides.md, "Which
 // side is out").
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of the side of a surface (docs/theory.md, "Which side is out").
+// What is known of the side of a surface (docs/sides.md, "Which side is out").
 #include "pcl_slim/cloud/side_evidence.h"
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The graph of cells (docs/theory.md, "Sides before the cover").
+// The graph of cells (docs/sides.md, "Sides before the cover").
 #include "sides/side_cells.h"
 
 #include <algorithm>

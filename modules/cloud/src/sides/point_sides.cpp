@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sides of single points by their nearest points, and points on local planes (docs/theory.md,
+// Sides of single points by their nearest points, and points on local planes (docs/sides.md,
 // "Sides before the cover", "Points" and "Feet").
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cells of points, and the sheet through each (docs/theory.md, "Sides before the cover").
+// Cells of points, and the sheet through each (docs/sides.md, "Sides before the cover").
 #include "sides/side_cells.h"
 
 #include <Eigen/Eigenvalues>

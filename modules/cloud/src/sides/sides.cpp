@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sides of points by the normals and signs of their cells (docs/theory.md, "Sides before the
+// Sides of points by the normals and signs of their cells (docs/sides.md, "Sides before the
 // cover").
 #include "pcl_slim/cloud/detail/sides.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a cloud needs sides (docs/theory.md, "Sides before the cover", "Whether").
+// Whether a cloud needs sides (docs/sides.md, "Sides before the cover", "Whether").
 #include <algorithm>
 #include <cmath>
 
@@ -71,7 +71,7 @@ double excessOf(const PatchCubic& cubic) {
 struct PlaceFigures {
   double spacing = 0;    ///< spacing of the points of the smallest patch [local length]
   double variance = -1;  ///< residual variance of the cubic, or within two sheets; < 0: unknown
-  bool thin = false;     ///< two sides that a fit would mix (docs/theory.md, "Whether")
+  bool thin = false;     ///< two sides that a fit would mix (docs/sides.md, "Whether")
   bool flat = false;     ///< thin, by the kurtosis of the residuals alone
   bool facing = false;   ///< two sides that a fit separates by itself
 };

@@ -32,7 +32,7 @@ struct SensedNoise {
   std::vector<float> profile;  ///< variances of runs of points; empty: the level's
 };
 
-/** \brief Compares a frame with FitParams::sensor_noise (docs/theory.md, "A sensor's next frame").
+/** \brief Compares a frame with FitParams::sensor_noise (docs/noise.md, "A sensor's next frame").
  * \param[in,out] statistics get the result of the check \return nothing where none is given or the
  * frame does not agree with it. O(n + places). */
 std::optional<SensedNoise> noiseOfSensor(const PointStore& store, const FitParams& params,
@@ -99,7 +99,7 @@ struct CloudSides {
 };
 
 /** \brief Finds sides of the points of a cloud without normals where balls would meet both sides of
- * thin parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover").
+ * thin parts, and measures the cloud anew with them (docs/sides.md, "Sides before the cover").
  * \param[in] measures made without sides */
 CloudSides sidesBeforeCover(const PointStore& store, const FitParams& params,
                             const FitConstants& constants, int threads, CloudMeasures measures);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise of a sensor, measured on one frame and used for the next ones (docs/theory.md, "A
+// The noise of a sensor, measured on one frame and used for the next ones (docs/noise.md, "A
 // sensor's next frame").
 #include <Eigen/QR>
 #include <algorithm>

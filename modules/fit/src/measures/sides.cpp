@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search for sides of thin parts: over the width of cells, the doubt that is allowed and points
-// moved to local planes (docs/theory.md, "Sides before the cover").
+// moved to local planes (docs/sides.md, "Sides before the cover").
 #include "pcl_slim/cloud/detail/sides.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sides of discs where no point shows them (docs/theory.md, "Which side is out").
+// The sides of discs where no point shows them (docs/sides.md, "Which side is out").
 #include <algorithm>
 #include <cstdint>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a cloud needs sides: docs/theory.md, "Sides before the cover".
+// Whether a cloud needs sides: docs/sides.md, "Sides before the cover".
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -11,7 +11,7 @@
 namespace pcl_slim {
 
 /** \brief The noise of a sensor, measured on one frame and used for the next ones
- * (docs/theory.md, "A sensor's next frame"). Lengths are in the unit of the frames.
+ * (docs/noise.md, "A sensor's next frame"). Lengths are in the unit of the frames.
  *
  * A fit with FitParams::keep_sensor_noise measures it, NoiseStatistics::sensor_noise returns it, and
  * a fit with FitParams::sensor_noise uses it: there a check of a few hundred patches replaces the

@@ -19,8 +19,8 @@ struct PatchSheetConstants {
   std::size_t neighbor_factor = 2;
 };
 
-/** \brief Separation of noise that neighbours share from detail (docs/theory.md, "Noise that
- * neighbours share").
+/** \brief Separation of noise that neighbours share from detail (docs/noise.md,
+ * "Plateaus").
  *
  * A growth is the binary logarithm of the factor by which a figure grows from patches of k points
  * to patches of 2 k points. */
@@ -42,7 +42,7 @@ struct SharedNoiseConstants {
   double white_growth = 0.2;
 };
 
-/** \brief Measurement of a cloud's noise level (docs/theory.md, "Noise"). */
+/** \brief Measurement of a cloud's noise level (docs/noise.md, "White noise"). */
 struct NoiseConstants {
   std::size_t first_neighbors = 20;  ///< number of points of the smallest patch
   /// The largest patch contains this part of the cloud: one eighth.

@@ -12,7 +12,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Cells, and the two sheets of cells or of a patch (docs/theory.md, "Sides before the
+/** \brief Cells, and the two sheets of cells or of a patch (docs/sides.md, "Sides before the
  * cover").
  *
  * The confidence of sides is the share of the agreement of neighbouring cells that they satisfy;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Signs of normals that should agree: one graph for cells of points, discs, leaves and triangles
-// (docs/theory.md, "Which side is out").
+// (docs/sides.md, "Model").
 #pragma once
 
 #include <algorithm>
