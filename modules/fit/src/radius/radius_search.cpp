@@ -111,26 +111,37 @@ bool liesBesideFeature(const TrialFits& trials, const Trial& trial) {
          e_sq > constants.feature_noise * trials.noise();
 }
 
+/** \brief Whether points are scattered about a fit rather than on it. */
+bool areScattered(const TrialFits& trials, const ResidualTests& tests, const Trial& trial) {
+  const double ratio = trials.constants().scattered_ratio;
+  return tests.lacksFit(trial) && trial.fit.residual_sq > ratio * ratio * trial.rho * trial.rho;
+}
+
 /** \brief The fit of a low degree in a smaller ball that beats a trial by its expected error.
  *
- * Across an edge no degree fits, and a lower one needs less room. \return an unsupported trial
- * where none does. Up to feature_steps fits. */
-Trial fitBesideFeature(TrialFits& trials, const Trial& trial) {
+ * Across an edge no degree fits, and a lower one needs less room. Where points are scattered about
+ * the trial, planes and all smaller balls with support are tried, too. \return an unsupported trial
+ * where none is better. Up to feature_steps fits; about 20 where points are scattered. */
+Trial fitBesideFeature(TrialFits& trials, const Trial& trial, bool scattered) {
   const RadiusConstants& constants = trials.constants();
-  const int degree = constants.feature_degree;
   // Kappa is 1 for the expected error: the excess next to an edge is bias, not chance.
   Energy risk = trials.energy();
   risk.kappa = 1.0;
   Trial best;
-  double least = constants.feature_gain * trials.energyOf(trial, risk), rho = trial.rho;
-  for (int step = 0; step < constants.feature_steps; ++step, rho *= constants.feature_step) {
-    const Trial low = trials.at(rho, degree, trials.plan().fit_kernel);
+  double least = constants.feature_gain * trials.energyOf(trial, risk);
+  const int least_degree = scattered ? 1 : constants.feature_degree;
+  for (int degree = constants.feature_degree; degree >= least_degree; --degree) {
     const double enough = constants.feature_support * numCoefficients(degree);
-    if (!low.supported || low.fit.n_eff < enough) break;
-    const double cost = trials.energyOf(low, risk);
-    if (cost >= least) continue;
-    best = low;
-    least = cost;
+    double rho = trial.rho;
+    for (int step = 0; scattered || step < constants.feature_steps; ++step) {
+      const Trial low = trials.at(rho, degree, trials.plan().fit_kernel);
+      if (!low.supported || low.fit.n_eff < enough) break;
+      rho *= constants.feature_step;
+      const double cost = trials.energyOf(low, risk);
+      if (cost >= least) continue;
+      best = low;
+      least = cost;
+    }
   }
   return best;
 }
@@ -139,7 +150,8 @@ RadiusChoice PenaltyRadiusRule::choose() {
   const RadiusChoice choice = chooseByEnergy();
   if (choice.kind != RadiusChoice::Kind::kLeaf) return choice;
   if (liesBesideFeature(trials_, choice.trial)) {
-    const Trial low = fitBesideFeature(trials_, choice.trial);
+    const bool scattered = areScattered(trials_, tests_, choice.trial);
+    const Trial low = fitBesideFeature(trials_, choice.trial, scattered);
     if (low.supported) return RadiusChoice::leaf(low);
   }
   if (choice.support_limited) return choice;
@@ -267,10 +279,8 @@ RadiusChoice PaperRadiusRule::chooseAmong(const Trial& left, const Trial& middle
 /** A support-limited leaf, unless its few points are scattered about it. */
 RadiusChoice surfaceOrNothing(const TrialFits& trials, const ResidualTests& tests,
                               const Trial& trial) {
-  const double ratio = trials.constants().scattered_ratio;
-  const bool scattered =
-      tests.lacksFit(trial) && trial.fit.residual_sq > ratio * ratio * trial.rho * trial.rho;
-  return scattered ? RadiusChoice::sparse(trial) : RadiusChoice::supportLimited(trial);
+  return areScattered(trials, tests, trial) ? RadiusChoice::sparse(trial)
+                                            : RadiusChoice::supportLimited(trial);
 }
 
 /** The highest degree with support at r_r, else at the gather radius; degree 0 where there is none.
