@@ -78,7 +78,7 @@ double shareBeyond(const SLIMSurface& surface, const Finger& finger, double boun
 // data do not end there: they continue on the finger.
 TEST(TrimMaps, NoSailsStandOffANoisyBody) {
   constexpr double kNoise = 0.03;
-  const Finger finger{0.12};
+  const Finger finger{0.1};
   FitParams params;
   params.sides = false;  // they would keep most leaves at the finger
   Fitted f = fitted(finger.cloud(30000, kNoise), params);
