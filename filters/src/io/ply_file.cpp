@@ -229,10 +229,6 @@ std::string plyNameOf(const PointField& field) {
   return field.name;
 }
 
-bool isPackedColour(const PointField& field) {
-  return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4;
-}
-
 /** The names by which readers find a cloud's colour and normals. */
 std::unordered_set<std::string> takenNames(const PointTable& cloud, const PointField* colour) {
   std::unordered_set<std::string> taken;
@@ -246,7 +242,7 @@ std::unordered_set<std::string> takenNames(const PointTable& cloud, const PointF
 /** PLY's columns for a cloud's fields: the inverse of adoptPclFields. No two have one name: another
  * field whose name is taken gets a longer one. */
 Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns) {
-  const auto packed = std::find_if(cloud.fields.begin(), cloud.fields.end(), isPackedColour);
+  const auto packed = std::find_if(cloud.fields.begin(), cloud.fields.end(), isPackedColor);
   const PointField* const colour = packed == cloud.fields.end() ? nullptr : &*packed;
   std::unordered_set<std::string> taken = takenNames(cloud, colour);
   for (const PointField& field : cloud.fields) {

@@ -49,6 +49,12 @@ class TextScanner {
 /** A whole number, 0 or more. false: the word is none. */
 bool parseCount(const std::string& word, std::size_t& count);
 
+/** Whether a field packs a colour into four bytes. */
+inline bool isPackedColor(const PointField& field) {
+  return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4 &&
+         field.count <= 1;
+}
+
 /** Names coordinates x y z that are named X Y Z. */
 void adoptCapitals(PointTable& cloud);
 

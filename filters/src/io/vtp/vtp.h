@@ -26,12 +26,6 @@ inline bool isNameOf(const char* const (&names)[3], const std::string& name) {
   return name == names[0] || name == names[1] || name == names[2];
 }
 
-/** Whether a field packs a colour into four bytes. */
-inline bool isPackedColor(const PointField& field) {
-  return (field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4 &&
-         field.count <= 1;
-}
-
 /** No error where this build has VTK's reader and writer; otherwise names what to give instead of
  * path. The functions below give the same error then. */
 Error checkVtp(const std::string& path);
