@@ -288,12 +288,12 @@ Error Camera::validate() const {
 }
 
 bool mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box) {
-  constexpr double kSlack = 2.0;  // pixels: frames of -aa are shifted
+  constexpr double kFrameShift = 2.0;  // pixels: frames of -aa are shifted
   const CameraAxes axes(camera);
   const bool perspective = camera.projection == Camera::Projection::kPerspective;
   const double half = perspective ? std::tan(camera.fov * M_PI / 360.0) : 0.5 * camera.view_height;
-  const double up = half * (1.0 + 2.0 * kSlack / camera.size.height);
-  const double right = half * (camera.size.width + 2.0 * kSlack) / camera.size.height;
+  const double up = half * (1.0 + 2.0 * kFrameShift / camera.size.height);
+  const double right = half * (camera.size.width + 2.0 * kFrameShift) / camera.size.height;
   int beyond[5] = {};  // corners behind the eye, and beyond each side of the picture
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const Vector3 p{box[corner & 1][0], box[corner >> 1 & 1][1], box[corner >> 2 & 1][2]};
