@@ -36,4 +36,15 @@ Error parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
 /** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
 void adoptPclFields(PointTable& cloud);
 
+/** One scalar property to write, and its offset in a point's bytes. */
+struct PlyColumn {
+  std::string name;
+  std::uint8_t type = 0;
+  std::size_t offset = 0;
+};
+
+/** PLY's columns for a cloud's fields: the inverse of adoptPclFields(). No two have one name:
+ * another field whose name is taken gets a longer one. */
+Error plyColumns(const PointTable& cloud, std::vector<PlyColumn>& columns);
+
 }  // namespace pcl_slim

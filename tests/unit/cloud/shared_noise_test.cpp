@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise that neighbours share, told from detail: docs/noise.md, "Plateaus".
+// Noise that neighbours share, separated from detail: docs/noise.md, "Plateaus".
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
