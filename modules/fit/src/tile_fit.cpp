@@ -65,7 +65,7 @@ std::vector<float> profileOf(const PointStore& store, const CloudTraits& traits,
   if (traits.profile == CloudTraits::Profile::kMeasured)
     return measureNoiseProfile(store, level, constants, threads);
   if (traits.profile == CloudTraits::Profile::kField)
-    return measureNoiseField(store, level, constants, threads);
+    return measureNoiseField(store, level, true, constants, threads);
   return {};
 }
 

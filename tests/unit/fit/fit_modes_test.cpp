@@ -269,6 +269,7 @@ TEST(FitModes, LocalNoiseMeasuresTheLevelOnce) {
       20000, 12, [&](double x, double) { return (x < 0 ? 0.001 : 0.004) * normal(random); });
   FitParams params;
   params.noise_correlation = 1;  // recognising shared noise would take patches of its own
+  params.local_noise = false;
   const std::uint64_t level = fitted(cloud, params).statistics.noise.patches;
   ASSERT_GT(level, 0u);
   params.local_noise = true;

@@ -85,7 +85,9 @@ TEST(SensorNoise, WhiteNoiseIsRecognized) {
   const SensorScan scan = scanByCamera(measure::namedSolids("wave15"), camera(1, 0), 3);
   FitParams params;
   params.local_noise = false;
-  const Errors on = errorsOf(scan, params), off = errorsOf(scan, withoutRecognition());
+  FitParams white = withoutRecognition();
+  white.local_noise = false;
+  const Errors on = errorsOf(scan, params), off = errorsOf(scan, white);
   EXPECT_EQ(on.position, off.position);
   EXPECT_EQ(on.fit.lambda, off.fit.lambda);
   EXPECT_EQ(on.fit.leaves, off.fit.leaves);

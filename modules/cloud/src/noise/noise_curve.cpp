@@ -264,14 +264,25 @@ bool isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& consta
   return true;
 }
 
-/** Measures scales from patches of k points on, two at least, until wider ones add nothing. */
-void measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
-                   const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales) {
+/** Measures scales from patches of k points on, two at least, until wider ones add nothing.
+ * \param[in] step every step-th place is measured, and all that an earlier look left
+ * \param[in] seen scales of the earlier look; null: this is the first one */
+std::vector<PatchScale> measureScales(const PointStore& store, std::size_t places, std::size_t k,
+                                      std::size_t step, const std::vector<PatchScale>* seen,
+                                      const NoiseConstants& constants, int threads) {
+  ThinnedPlaces points(store, places);
+  const std::size_t most = store.size() / constants.most_part;
+  std::vector<PatchScale> scales;
   const auto isKnown = [&] { return isShape(scales, constants) || isWhite(scales, constants); };
   for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2) {
+    PlaceLook look;
+    const std::size_t i = scales.size();
+    if (seen == nullptr || i < seen->size()) look.step = step;
+    if (seen != nullptr && i < seen->size()) look.seen = &(*seen)[i];
     const PatchScale* narrower = scales.empty() ? nullptr : &scales.back();
-    scales.push_back(measureScale(points, k, constants, threads, narrower));
+    scales.push_back(measureScale(points, k, constants, threads, narrower, look));
   }
+  return scales;
 }
 
 /** The noise estimated from scales. */
@@ -369,8 +380,18 @@ double neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseCons
   return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
 
+/** The places of scales that a first look measured. */
+std::vector<PatchScale> firstLook(const std::vector<PatchScale>& scales, std::size_t step) {
+  std::vector<std::size_t> looked;
+  for (std::size_t s = step / 2; s < scales.front().variances.size(); s += step)
+    looked.push_back(s);
+  std::vector<PatchScale> first(scales.size());
+  std::transform(scales.begin(), scales.end(), first.begin(),
+                 [&](const PatchScale& scale) { return scaleAt(scale, looked); });
+  return first;
+}
+
 constexpr std::size_t kPointsPerPlace = 20;  ///< there is at most one place for this many points
-constexpr std::size_t kLeastPlaces = 100;    ///< there are at least this many places
 
 }  // namespace
 
@@ -381,24 +402,27 @@ NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
   // Patches of a thin part end at its borders, where the growth of the power slows down, too.
   if (store.hasSides() && !store.hasNormals())
     shared.constant_power_ratio = shared.sided_constant_power_ratio;
-  const auto measure = [&](std::size_t places) {
-    NoiseCurve curve;
-    ThinnedPlaces points(store, places);
-    measureScales(points, k, store.size() / constants.most_part, constants, threads, curve.scales);
+  const auto curveOf = [&](std::vector<PatchScale> scales) {
+    NoiseCurve curve{std::move(scales), {}, {}};
     curve.noise = noiseOf(curve.scales, white, constants);
     curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
   const std::size_t wanted = store.size() / kPointsPerPlace;
-  const std::size_t places = std::clamp(wanted, kLeastPlaces, shared.places);
+  const std::size_t places = std::clamp(wanted, constants.least_samples, shared.places);
+  const std::size_t step = places / constants.least_samples;
+  const auto few = measureScales(store, places, k, step, nullptr, constants, threads);
+  NoiseCurve curve = curveOf(firstLook(few, step));
+  // Without any error, the noise of every half is white.
+  if (!(neededPlaces(curve, white, shared) > 0)) return curve;
+  if (step > 1) curve = curveOf(measureScales(store, places, k, step, &few, constants, threads));
+  const double needed = neededPlaces(curve, white, shared), now = static_cast<double>(places);
   const std::size_t most = std::min(shared.most_places, wanted);
-  NoiseCurve curve = measure(places);
-  const double needed = neededPlaces(curve, white, shared);
   constexpr double kLeastFactor = 4;  // the number needed is uncertain if estimated from few places
-  const auto few = static_cast<double>(places);
-  if (places >= most || !(needed > few)) return curve;
-  const double more = std::min(std::max(needed, kLeastFactor * few), static_cast<double>(most));
-  return measure(static_cast<std::size_t>(more));
+  if (places >= most || !(needed > now)) return curve;
+  const double more = std::min(std::max(needed, kLeastFactor * now), static_cast<double>(most));
+  return curveOf(
+      measureScales(store, static_cast<std::size_t>(more), k, 1, nullptr, constants, threads));
 }
 
 }  // namespace pcl_slim::detail

@@ -47,7 +47,8 @@ CurveShare shareOf(const CurveNoise& curve, double white, const SharedNoiseConst
 /** \brief The scatter of the estimates from halves about the estimate from all places. */
 LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants);
 
-/** \brief Measures the curve of a cloud, again with more places if random halves of them differ too much.
+/** \brief Measures the curve of a cloud: at a third of the places first, which are enough where every
+ * half of them shows white noise; at more of them where random halves differ too much.
  * \param[in] k number of points of the smallest patches \param[in] white their variance */
 NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
                         const NoiseConstants& given, int threads);

@@ -121,24 +121,25 @@ NoiseField fieldOf(const PatchScale& scale, const PatchScale& wider, std::size_t
   return field;
 }
 
-}  // namespace
-
-bool noiseVaries(const PatchScale& scale, const PatchScale& wider, std::size_t points, double level,
-                 const NoiseConstants& constants, int threads) {
-  if (!(level > 0)) return false;
-  const NoiseField field = fieldOf(scale, wider, points, level, constants, threads);
-  return field.variance > 2 * field.error;
+NoiseField measuredField(const PointStore& store, const NoiseLevel& level, std::size_t count,
+                         const NoiseConstants& constants, int threads) {
+  ThinnedPlaces places(store, count);
+  const PatchScale scale = measureScale(places, level.neighbors, constants, threads);
+  const PatchScale wider = measureScale(places, 2 * level.neighbors, constants, threads, &scale);
+  return fieldOf(scale, wider, store.size(), level.variance, constants, threads);
 }
 
-std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& level,
+}  // namespace
+
+std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& level, bool known,
                                      const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   threads = resolveThreads(threads);
-  ThinnedPlaces places(store, profileRuns(store, constants));
-  const PatchScale scale = measureScale(places, level.neighbors, constants, threads);
-  const PatchScale wider = measureScale(places, 2 * level.neighbors, constants, threads, &scale);
-  const NoiseField field = fieldOf(scale, wider, store.size(), level.variance, constants, threads);
-  if (!(field.variance > 0)) return {};
+  const std::size_t runs = profileRuns(store, constants);
+  const std::size_t places = known ? runs : std::min(constants.shared.places, runs);
+  NoiseField field = measuredField(store, level, places, constants, threads);
+  if (!(field.variance > (known ? 0 : 2 * field.error))) return {};
+  if (places < runs) field = measuredField(store, level, runs, constants, threads);
   std::vector<float> ratios(field.places.size(), 1.0f);
   for (std::size_t s = 0; s < ratios.size(); ++s) {
     const LocalNoise& place = field.places[s];

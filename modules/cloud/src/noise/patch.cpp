@@ -382,23 +382,29 @@ void ThinnedPlaces::thinTo(std::size_t stride, int threads) {
 }
 
 PatchScale measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants,
-                        int threads, const PatchScale* narrower) {
+                        int threads, const PatchScale* narrower, const PlaceLook& look) {
   PatchScale scale;
-  scale.k = k;
-  scale.stride = patchStride(k, constants);
+  if (look.seen != nullptr) {
+    scale = *look.seen;
+  } else {
+    scale.k = k;
+    scale.stride = patchStride(k, constants);
+    scale.variances.assign(points.size(), -1);
+    scale.shared.assign(points.size(), -1);
+    scale.radii.resize(points.size());
+  }
   points.thinTo(scale.stride, threads);
-  scale.variances.resize(points.size());
-  scale.shared.resize(points.size());
-  scale.radii.resize(points.size());
   points.forEach(threads, [&](const PointStore& store, NeighborSearch& search, std::size_t place,
                               std::size_t s) {
+    if (look.isFirst(s) == (look.seen != nullptr)) return;
     thread_local PatchCubic cubic;
     const double factor = narrower ? static_cast<double>(k) / static_cast<double>(narrower->k) : 0;
     const double about = narrower ? probableSquare(narrower->radii[s], factor) : 0;
     const bool fits =
         fitPatch(store, search, place, k / scale.stride, constants, cubic, scale.radii[s], about);
-    scale.variances[s] = fits ? cubic.variance : -1;
-    scale.shared[s] = fits ? sharedInPatch(cubic, constants.shared.cells) : -1;
+    if (!fits) return;
+    scale.variances[s] = cubic.variance;
+    scale.shared[s] = sharedInPatch(cubic, constants.shared.cells);
   });
   return scale;
 }

@@ -255,10 +255,20 @@ class ThinnedPlaces {
   std::size_t stride_ = 1;
 };
 
+/** \brief Which of the places are measured: every step-th, or those that an earlier look left. */
+struct PlaceLook {
+  std::size_t step = 1;
+  const PatchScale* seen = nullptr;  ///< the same scale, measured at every step-th place
+
+  bool isFirst(std::size_t place) const { return place % step == step / 2; }
+};
+
 /** \brief Measures patches of k points. O(places) in addition to thinning.
- * \param[in] narrower a scale of the same places, whose radii speed up the search; null: none */
+ * \param[in] narrower a scale of the same places, whose radii speed up the search; null: none
+ * \return figures of all places, those of places that nobody looked at unknown */
 PatchScale measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants,
-                        int threads, const PatchScale* narrower = nullptr);
+                        int threads, const PatchScale* narrower = nullptr,
+                        const PlaceLook& look = {});
 
 /** \brief Measures patches of k points at evenly strided places of a store. */
 PatchScale measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants,
@@ -273,11 +283,5 @@ std::size_t profileRuns(const PointStore& store, const NoiseConstants& constants
 
 /** \brief Number of points that share an error, measured on a scale; 1: white noise. */
 double correlationOf(const PatchScale& scale, const NoiseConstants& constants);
-
-/** \brief Whether white noise varies over places by more than two standard errors.
- * \param[in] scale patches of k points \param[in] wider of 2 k points, at the same places
- * \param[in] points of the store \param[in] level the cloud's variance */
-bool noiseVaries(const PatchScale& scale, const PatchScale& wider, std::size_t points, double level,
-                 const NoiseConstants& constants, int threads);
 
 }  // namespace pcl_slim::detail

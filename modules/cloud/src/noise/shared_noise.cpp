@@ -122,10 +122,6 @@ NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white
       noise = rounding;
     noise.step = steps.step;
   }
-  // The curve's first two scales have white noise's size and twice as many points.
-  if (!(noise.correlation > 1))
-    noise.varies =
-        noiseVaries(scales[0], scales[1], store.size(), noise.variance, constants, threads);
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;
 }

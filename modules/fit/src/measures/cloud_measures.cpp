@@ -209,8 +209,9 @@ void measureProfile(const PointStore& store, const FitParams& params, const Nois
   } else if (params.local_noise == true || measuresResiduals(params)) {
     if (shared)
       measures.noise_profile = measureNoiseProfile(store, residual, constants, threads);
-    else if (params.local_noise == true || residual.varies)
-      measures.noise_profile = measureNoiseField(store, residual, constants, threads);
+    else
+      measures.noise_profile =
+          measureNoiseField(store, residual, params.local_noise == true, constants, threads);
   }
 }
 

@@ -25,7 +25,7 @@ struct PatchSheetConstants {
  * A growth is the binary logarithm of the factor by which a figure grows from patches of k points
  * to patches of 2 k points. */
 struct SharedNoiseConstants {
-  std::size_t places = 300;        ///< number of places where patches are compared at first
+  std::size_t places = 300;        ///< number of places, where no error shows how many it takes
   std::size_t most_places = 6400;  ///< largest number of places, used where the error is too large
   std::size_t cells = 32;          ///< number of squares that a patch is cut into
   /// The power is constant if it grows by less than this share of its greatest growth so far. A
@@ -49,7 +49,7 @@ struct NoiseConstants {
   std::size_t most_part = 8;
   /// Most points of a patch that are used. Of a larger patch every second, fourth, ... is used.
   std::size_t patch_points = 320;
-  std::size_t least_samples = 100;  ///< least number of patches of one size
+  std::size_t least_samples = 100;  ///< least number of patches of one size; a curve's at first
   double trim = 0.1;                ///< share of the patches left out at either end of a mean
   /// sqrt(lambda) over the radius of the patch above which noise fills the patch. A patch of twice
   /// as many points is measured then.
@@ -86,7 +86,6 @@ struct NoiseLevel {
   double dependence = 1;
   double step = 0;         ///< step of quantised coordinates [local length]; 0: none was found
   std::size_t frames = 0;  ///< number of frames measured; 0: the cloud was measured as a whole
-  bool varies = false;     ///< white noise that differs over the cloud by more than chance
 };
 
 /** \brief Measures noise by NoiseEstimator::kCubicResidual. \return an empty level for stores of
@@ -141,9 +140,11 @@ PCL_SLIM_EXPORT std::vector<float> measureNoiseProfile(const PointStore& store,
  * towards 0 by its standard error over the scatter of all places: noise that is alike everywhere
  * gives one level, a mixture its parts. A place counts where its noise does not depend on the size of
  * the patch, as that of detail and edges does. \return ratios between 1e-6 and 20;
- * empty where chance explains all differences. O(n / 128 patches of k and of 2 k points). */
+ * empty where the differences are within two standard errors of chance. O(n / 128 patches of k and
+ * of 2 k points).
+ * \param[in] known the noise varies: it is measured without this test */
 PCL_SLIM_EXPORT std::vector<float> measureNoiseField(const PointStore& store,
-                                                     const NoiseLevel& level,
+                                                     const NoiseLevel& level, bool known,
                                                      const NoiseConstants& constants, int threads);
 
 /** \brief The normal bound: the largest cosine of two normals that count as normals of different
