@@ -134,6 +134,7 @@ NoiseField measuredField(const PointStore& store, const NoiseLevel& level, std::
 std::vector<float> measureNoiseField(const PointStore& store, const NoiseLevel& level, bool known,
                                      const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
+  if (!known && isRoundingOfFloats(level.variance, store)) return {};
   threads = resolveThreads(threads);
   const std::size_t runs = profileRuns(store, constants);
   const std::size_t places = known ? runs : std::min(constants.shared.places, runs);

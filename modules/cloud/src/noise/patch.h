@@ -181,6 +181,13 @@ inline bool isFlat(double narrow, double wider, const NoiseConstants& constants)
   return wider <= std::exp2(constants.shared.white_growth) * narrow;
 }
 
+/** \brief Whether a variance is no more than the rounding of floats leaves. */
+inline bool isRoundingOfFloats(double variance, const PointStore& store) {
+  constexpr double kFloatNoise = 1e-7;  // [bulkDiagonal()]
+  const double resolved = kFloatNoise * store.bulkDiagonal();
+  return variance < resolved * resolved;
+}
+
 /** \brief Calls measure(search, sample, s) for evenly strided points; s is the number of the
  * sample.
  * \param[in] stride of the points in the search */

@@ -92,9 +92,6 @@ NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
   return noise;
 }
 
-/// RMS noise below which there is only the rounding of floats [PointStore::bulkDiagonal()].
-constexpr double kFloatNoise = 1e-7;
-
 /** White noise of points on lines. Across a line, its points count as one independent point. */
 NoiseLevel lineNoise(const NoiseLevel& white) {
   NoiseLevel noise = white;
@@ -111,8 +108,7 @@ NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white
   threads = resolveThreads(threads);
   const NoiseCurve curve = measureCurve(store, white.neighbors, white.variance, constants, threads);
   const std::vector<PatchScale>& scales = curve.scales;
-  const double resolved = kFloatNoise * store.bulkDiagonal();
-  if (curve.noise.variance < resolved * resolved) return white;
+  if (isRoundingOfFloats(curve.noise.variance, store)) return white;
   NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
   const StepNoise steps = measureSteps(store, constants, threads);
   if (steps.step > 0 && store.size() >= 2 * constants.most_part * steps.neighbors) {
