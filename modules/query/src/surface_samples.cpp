@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -18,157 +17,168 @@ using namespace detail;
 
 namespace {
 
-/** \brief Points with a side. */
-struct SidedPoints {
-  std::vector<std::array<double, 3>> position;
-  std::vector<std::array<float, 3>> normal;
-  bool oriented = false;  ///< points that face apart do not count as near
+/** \brief A node of a leaf's grid, on the leaf, in world coordinates. */
+struct Node {
+  std::uint64_t number;
+  double rank;  ///< random, in [0, 1): nodes are tried in this order
+  std::array<double, 3> position;
+  std::array<float, 3> normal;  ///< of the leaf
+};
+
+/** \brief A place of the blended surface, in world coordinates. */
+struct ProjectedNode {
+  std::uint64_t number;
+  double rank;
+  std::array<double, 3> position;
+  std::array<float, 3> normal;
+  std::array<float, 2> curvature;  ///< mean and Gaussian
 };
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kBatch = 8192;  ///< points that are tried side by side
 
 std::uint64_t mixed(std::uint64_t bits) {
   return SplitMix{bits}.next();
 }
 
-/** Chosen points in cells as wide as the spacing, found by a hash of the cell. */
-class CellTable {
+/** \brief Samples in cells as wide as the spacing, found by a hash of the cell. */
+class SampleTable {
  public:
-  CellTable(const SidedPoints& points, double spacing)
-      : points_(points), spacing_(spacing), next_(points.position.size(), kNone) {
-    std::size_t slots = 1024;
-    while (slots < points.position.size() / 4) slots *= 2;
-    heads_.assign(slots, kNone);
+  /** \param[in] oriented samples that face apart do not count as near */
+  SampleTable(double spacing, bool oriented) : spacing_(spacing), oriented_(oriented) {}
+
+  void add(const ProjectedNode& sample) {
+    samples_.push_back(sample);
+    next_.push_back(kNone);
+    if (kSlotsPerSample * samples_.size() > heads_.size()) grow();
+    link(static_cast<std::uint32_t>(samples_.size() - 1));
   }
 
-  void add(std::uint32_t i) {
-    std::uint32_t& head = heads_[slotOf(cellOf(i))];
-    next_[i] = head;
-    head = i;
+  /** \brief Whether a sample is nearer to a place than the spacing. */
+  bool isNear(const std::array<double, 3>& place, const std::array<float, 3>& normal) const {
+    const double most = spacing_ * spacing_;
+    return anyAround(place, normal, [&](std::uint32_t, double d) { return d < most; });
   }
 
-  /** The nearest chosen point nearer than twice the spacing that is not i itself, of those in the
-   * cells around: surely found if it is nearer than the spacing. */
+  /** \brief The sample nearest to sample i and nearer than a bound, of those in the cells around:
+   * surely found if it is nearer than the spacing. */
   std::pair<std::uint32_t, double> nearest(std::uint32_t i, double bound) const {
     std::pair<std::uint32_t, double> best{kNone, bound * bound};
-    const auto cell = cellOf(i);
-    for (std::int64_t x = -1; x <= 1; ++x) {
-      for (std::int64_t y = -1; y <= 1; ++y) {
-        for (std::int64_t z = -1; z <= 1; ++z) {
-          const std::size_t slot = slotOf({cell[0] + x, cell[1] + y, cell[2] + z});
+    anyAround(samples_[i].position, samples_[i].normal, [&](std::uint32_t j, double d) {
+      if (j != i && d < best.second) best = {j, d};
+      return false;
+    });
+    return best;
+  }
+
+  const std::vector<ProjectedNode>& samples() const { return samples_; }
+
+ private:
+  static constexpr std::size_t kSlotsPerSample =
+      4;  ///< at least: few slots have two cells' samples
+
+  /** Calls found(j, squared distance) for the samples around a place that face as it does, until it
+   * returns true. \return whether it did */
+  template <typename Found>
+  bool anyAround(const std::array<double, 3>& place, const std::array<float, 3>& normal,
+                 const Found& found) const {
+    if (samples_.empty()) return false;
+    constexpr std::int64_t kSteps[] = {0, -1, 1};  // the cell of the place comes first
+    const std::uint64_t here = hashOfCell(place);
+    for (const std::int64_t z : kSteps) {
+      for (const std::int64_t y : kSteps) {
+        for (const std::int64_t x : kSteps) {
+          const std::size_t slot = slotOf(here + hashOf(x, y, z));
           for (std::uint32_t j = heads_[slot]; j != kNone; j = next_[j]) {
-            const double d = squaredDistance(i, j);
-            if (j != i && d < best.second && face(i, j)) best = {j, d};
+            const auto& p = samples_[j].position;
+            const auto& n = samples_[j].normal;
+            const double d[3] = {p[0] - place[0], p[1] - place[1], p[2] - place[2]};
+            if (oriented_ && !(normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2] > 0.0f))
+              continue;
+            if (found(j, d[0] * d[0] + d[1] * d[1] + d[2] * d[2])) return true;
           }
         }
       }
     }
-    return best;
+    return false;
   }
 
- private:
-  std::array<std::int64_t, 3> cellOf(std::uint32_t i) const {
-    std::array<std::int64_t, 3> cell;
+  /** Cells in a row are in slots in a row, and so in a cache line. */
+  static std::uint64_t hashOf(std::int64_t x, std::int64_t y, std::int64_t z) {
+    return static_cast<std::uint64_t>(x) + static_cast<std::uint64_t>(y) * SplitMix::kStep +
+           static_cast<std::uint64_t>(z) * 0xbf58476d1ce4e5b9u;
+  }
+
+  std::uint64_t hashOfCell(const std::array<double, 3>& place) const {
+    std::int64_t cell[3];
     for (std::size_t a = 0; a < 3; ++a)
-      cell[a] = static_cast<std::int64_t>(std::floor(points_.position[i][a] / spacing_));
-    return cell;
+      cell[a] = static_cast<std::int64_t>(std::floor(place[a] / spacing_));
+    return hashOf(cell[0], cell[1], cell[2]);
   }
 
-  std::size_t slotOf(const std::array<std::int64_t, 3>& cell) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t c : cell) hash = mixed(hash ^ static_cast<std::uint64_t>(c));
+  std::size_t slotOf(std::uint64_t hash) const {
     return static_cast<std::size_t>(hash) & (heads_.size() - 1);
   }
 
-  double squaredDistance(std::uint32_t i, std::uint32_t j) const {
-    double sum = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double d = points_.position[i][a] - points_.position[j][a];
-      sum += d * d;
-    }
-    return sum;
+  void link(std::uint32_t i) {
+    std::uint32_t& head = heads_[slotOf(hashOfCell(samples_[i].position))];
+    next_[i] = head;
+    head = i;
   }
 
-  bool face(std::uint32_t i, std::uint32_t j) const {
-    if (!points_.oriented) return true;
-    const auto &m = points_.normal[i], &n = points_.normal[j];
-    return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] > 0.0f;
+  void grow() {
+    constexpr std::size_t kFirstSlots = 1024;
+    heads_.assign(std::max(kFirstSlots, 2 * heads_.size()), kNone);
+    for (std::uint32_t i = 0; i + 1 < samples_.size(); ++i) link(i);
   }
 
-  const SidedPoints& points_;
   double spacing_;
-  std::vector<std::uint32_t> heads_, next_;
+  bool oriented_;
+  std::vector<ProjectedNode> samples_;
+  std::vector<std::uint32_t> heads_;  ///< the last sample of a slot
+  std::vector<std::uint32_t> next_;   ///< the one before it in its slot
 };
 
-/** \brief A maximal set of points of which no two are nearer than the spacing, ascending. The
- * points are taken in an order that the seed makes. O(points); the same for any number of threads.
- */
-std::vector<std::uint32_t> poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed,
-                                      int threads) {
-  const std::size_t n = points.position.size();
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
-  for (std::uint32_t i = 0; i < n; ++i) order[i] = {mixed(mixed(seed) ^ i), i};
-  std::sort(order.begin(), order.end());
-  CellTable chosen(points, spacing);
-  std::vector<std::uint32_t> set;
-  std::vector<std::uint8_t> free(kBatch);
-  for (std::size_t begin = 0; begin < n; begin += kBatch) {
-    // Most points are too near to one of an earlier batch; the few others are tried again in their
-    // order.
-    const std::size_t count = std::min(kBatch, n - begin);
-    parallelFor(count, threads, 256, [&](std::size_t k, int) {
-      free[k] = chosen.nearest(order[begin + k].second, spacing).first == kNone;
-    });
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t i = order[begin + k].second;
-      if (free[k] == 0 || chosen.nearest(i, spacing).first != kNone) continue;
-      chosen.add(i);
-      set.push_back(i);
-    }
-  }
-  std::sort(set.begin(), set.end());
-  return set;
-}
-
-/** \brief Thins a set to a given size by leaving out samples: those nearest to another, one of each
- * pair first. O(set). */
-void thinSet(const SidedPoints& points, double spacing, std::size_t count,
-             std::vector<std::uint32_t>& set) {
-  if (set.size() <= count) return;
-  CellTable chosen(points, spacing);
-  for (const std::uint32_t i : set) chosen.add(i);
+/** \brief The numbers of the samples that are left of a set thinned to a given size: those nearest to
+ * another are left out, one of each pair first. O(samples). */
+std::vector<std::uint32_t> thinned(const SampleTable& table, double spacing, std::size_t count) {
+  const auto size = static_cast<std::uint32_t>(table.samples().size());
+  std::vector<std::uint32_t> kept(size);
+  std::iota(kept.begin(), kept.end(), 0u);
+  if (size <= count) return kept;
   struct Neighbor {
     double distance;
-    std::uint32_t point, nearest;
+    std::uint32_t sample, nearest;
   };
   std::vector<Neighbor> neighbors;
-  for (const std::uint32_t i : set) {
-    const auto [j, distance] = chosen.nearest(i, 2 * spacing);
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const auto [j, distance] = table.nearest(i, 2 * spacing);
     neighbors.push_back({distance, i, j});
   }
   std::stable_sort(neighbors.begin(), neighbors.end(),
                    [](const Neighbor& a, const Neighbor& b) { return a.distance < b.distance; });
-  std::vector<std::uint8_t> gone(points.position.size(), 0);
-  std::size_t left = set.size();
+  std::vector<std::uint8_t> gone(size, 0);
+  std::size_t left = size;
   for (const bool pairs : {true, false}) {
     for (const Neighbor& n : neighbors) {
       const bool widowed = n.nearest != kNone && gone[n.nearest] != 0;
-      if (left == count || gone[n.point] != 0 || (pairs && widowed)) continue;
-      gone[n.point] = 1;
+      if (left == count || gone[n.sample] != 0 || (pairs && widowed)) continue;
+      gone[n.sample] = 1;
       --left;
     }
   }
-  set.erase(std::remove_if(set.begin(), set.end(), [&](std::uint32_t i) { return gone[i] != 0; }),
-            set.end());
+  kept.erase(
+      std::remove_if(kept.begin(), kept.end(), [&](std::uint32_t i) { return gone[i] != 0; }),
+      kept.end());
+  return kept;
 }
 
-constexpr double kStep = 0.5;         ///< of the spacing: spacing of the candidates' nodes
+constexpr double kStep = 0.5;         ///< of the spacing: spacing of the nodes
 constexpr double kReach = 0.5;        ///< of a ball's radius; see ProjectionParams
-constexpr double kMostNodes = 4e8;    ///< candidates that memory is spent on
+constexpr double kMostNodes = 4e9;    ///< nodes that time is spent on
 constexpr double kFirstCount = 4000;  ///< samples of the first trial for a count
 constexpr double kSurplus = 1.03;     ///< samples over the count, at most, that are thinned
 constexpr int kMostTrials = 12;
+constexpr int kPasses = 7;        ///< each but the first takes as many nodes as all before it
 constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
 
 /** Half the width of a leaf's (u, v) square that is sampled, in radii: beyond its cover other
@@ -183,28 +193,60 @@ std::int64_t sideOf(const SLIMSurface& surface, std::size_t i, double step) {
   return std::max<std::int64_t>(3, static_cast<std::int64_t>(steps) + 2);
 }
 
-/** Candidates of one leaf, in world coordinates. \param[in] step local length */
-void appendNodes(const SLIMSurface& surface, std::size_t i, double step, std::vector<double>& xyz) {
-  const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
-  const double r = surface.radius[i], reach = halfWidth(surface.info);
-  const double center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
-  const TrimMap map = surface.trimMap(i);
-  const std::int64_t side = sideOf(surface, i, step);
-  const double pitch = 2 * reach / static_cast<double>(side - 1);
-  for (std::int64_t k = 0; k < side * side; ++k) {
-    const std::int64_t row = k / side;
-    const double u = pitch * static_cast<double>(k % side) - reach;
-    const double v = pitch * static_cast<double>(row) - reach;
-    if (u * u + v * v > reach * reach) continue;
-    if (surface.isOpen(i) && outsideShare(map, u, v) > 0.5) continue;
-    const double h = evaluateHeight(surface.degree[i], surface.coefficientsOf(i), u, v);
-    if (!(u * u + v * v + h * h < 1.0)) continue;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double local = center[a] + r * (u * frame.u[a] + v * frame.v[a] + h * frame.w[a]);
-      xyz.push_back(surface.info.origin[a] + surface.info.scale * local);
+/** \brief Nodes of the leaves' grids. None is kept: a pass takes those of some ranks. */
+class LeafNodes {
+ public:
+  /** \param[in] step of the grids, local length */
+  LeafNodes(const SLIMSurface& surface, double step, std::uint64_t seed)
+      : surface_(surface), step_(step), seed_(mixed(seed)), leaves_(surface.leaves()) {
+    first_.reserve(leaves_.size());
+    std::uint64_t nodes = 0;
+    for (const std::uint32_t leaf : leaves_) {
+      first_.push_back(nodes);
+      const auto side = static_cast<std::uint64_t>(sideOf(surface, leaf, step));
+      nodes += side * side;
     }
   }
-}
+
+  std::size_t numLeaves() const { return leaves_.size(); }
+
+  /** \brief Calls visit(node) for the nodes of a leaf with ranks in [low, high) that the leaf covers
+   * inside its border. */
+  template <typename Visit>
+  void forEach(std::size_t at, double low, double high, const Visit& visit) const {
+    const std::uint32_t i = leaves_[at];
+    const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
+    const double r = surface_.radius[i], reach = halfWidth(surface_.info);
+    const double center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
+    const TrimMap map = surface_.trimMap(i);
+    const std::int64_t side = sideOf(surface_, i, step_);
+    const double pitch = 2 * reach / static_cast<double>(side - 1);
+    for (std::int64_t k = 0; k < side * side; ++k) {
+      const std::uint64_t number = first_[at] + static_cast<std::uint64_t>(k);
+      const double rank = SplitMix{seed_ ^ number}.nextShare();
+      if (rank < low || rank >= high) continue;
+      const double u = pitch * static_cast<double>(k % side) - reach;
+      const double v = pitch * static_cast<double>(k / side) - reach;
+      if (u * u + v * v > reach * reach) continue;
+      if (surface_.isOpen(i) && outsideShare(map, u, v) > 0.5) continue;
+      const double h = evaluateHeight(surface_.degree[i], surface_.coefficientsOf(i), u, v);
+      if (!(u * u + v * v + h * h < 1.0)) continue;
+      Node node{number, rank, {}, {surface_.nx[i], surface_.ny[i], surface_.nz[i]}};
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double local = center[a] + r * (u * frame.u[a] + v * frame.v[a] + h * frame.w[a]);
+        node.position[a] = surface_.info.origin[a] + surface_.info.scale * local;
+      }
+      visit(node);
+    }
+  }
+
+ private:
+  const SLIMSurface& surface_;
+  double step_;
+  std::uint64_t seed_;
+  std::vector<std::uint32_t> leaves_;
+  std::vector<std::uint64_t> first_;  ///< number of the first node of each leaf
+};
 
 Error checkNodes(const SLIMSurface& surface, double step) {
   double nodes = 0;
@@ -216,31 +258,42 @@ Error checkNodes(const SLIMSurface& surface, double step) {
   return {ErrorCode::kBadArgument, "so dense a sampling takes too much memory: raise the spacing"};
 }
 
-/** Candidates on the blended surface, inside its borders. */
-struct Candidates {
-  SidedPoints points;
-  std::vector<std::array<float, 2>> curvature;
-};
-
-Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress* progress,
-                     Candidates& made) {
-  const double step = kStep * spacing / surface.info.scale;
-  if (Error error = checkNodes(surface, step)) return error;
-  std::vector<std::vector<double>> runs((surface.size() + kRun - 1) / kRun);
-  parallelFor(runs.size(), threads, 1, [&](std::size_t run, int) {
-    for (std::size_t i = run * kRun; i < std::min(surface.size(), (run + 1) * kRun); ++i) {
-      if (surface.isLeaf(i)) appendNodes(surface, i, step, runs[run]);
+/** The nodes with ranks in [low, high) that no sample is near to. \param[in,out] tried counts nodes */
+std::vector<Node> freeNodes(const LeafNodes& nodes, const SampleTable& table, double low,
+                            double high, int threads, Progress* progress, std::uint64_t& tried) {
+  struct Run {
+    std::vector<Node> free;
+    std::uint64_t tried = 0;
+  };
+  std::vector<Run> runs((nodes.numLeaves() + kRun - 1) / kRun);
+  parallelFor(runs.size(), threads, 1, [&](std::size_t r, int) {
+    if (progress != nullptr && progress->cancelled()) return;
+    const std::size_t end = std::min(nodes.numLeaves(), (r + 1) * kRun);
+    for (std::size_t at = r * kRun; at < end; ++at) {
+      nodes.forEach(at, low, high, [&](const Node& node) {
+        ++runs[r].tried;
+        if (!table.isNear(node.position, node.normal)) runs[r].free.push_back(node);
+      });
     }
   });
-  std::vector<double> xyz;
-  for (const auto& run : runs) xyz.insert(xyz.end(), run.begin(), run.end());
-  made = Candidates();
-  if (xyz.empty()) return {};
+  std::vector<Node> free;
+  for (const Run& run : runs) {
+    free.insert(free.end(), run.free.begin(), run.free.end());
+    tried += run.tried;
+  }
+  return free;
+}
+
+/** Moves nodes onto the blended surface, those that are inside its borders. Their order changes. */
+Error projectNodes(const SLIMSurface& surface, const std::vector<Node>& nodes, int threads,
+                   std::vector<ProjectedNode>& projected) {
+  projected.clear();
+  if (nodes.empty()) return {};
   CloudView view;
-  view.xyz = xyz.data();
-  view.xyz_stride = 3 * sizeof(double);
+  view.xyz = &nodes.front().position;
+  view.xyz_stride = sizeof(Node);
   view.scalar = CloudView::Scalar::kDouble;
-  view.size = xyz.size() / 3;
+  view.size = nodes.size();
   const Result<PointStore> store = PointStore::build(view, threads);
   if (!store) return store.error();
   ProjectionParams params;
@@ -248,19 +301,46 @@ Error makeCandidates(const SLIMSurface& surface, double spacing, int threads, Pr
   params.reach = kReach;
   params.threads = threads;
   Projection projection;
-  if (Error error = projectPoints(*store, surface, params, projection, progress)) return error;
-  made.points.oriented = surface.info.oriented;
+  if (Error error = projectPoints(*store, surface, params, projection)) return error;
   const double scale = store->scale();
   for (std::size_t i = 0; i < store->size(); ++i) {
     if (!projection.supported[i] || !projection.inside[i]) continue;
-    std::array<double, 3> world;
-    for (std::size_t a = 0; a < 3; ++a)
-      world[a] = store->origin()[a] + scale * projection.position[i][a];
-    made.points.position.push_back(world);
-    made.points.normal.push_back(projection.normal[i]);
     const auto& [mean, gaussian] = projection.curvature[i];
-    made.curvature.push_back(
-        {static_cast<float>(mean / scale), static_cast<float>(gaussian / scale / scale)});
+    const Node& on_leaf = nodes[store->orderOfStore()[i]];
+    ProjectedNode node{
+        on_leaf.number,
+        on_leaf.rank,
+        {},
+        projection.normal[i],
+        {static_cast<float>(mean / scale), static_cast<float>(gaussian / scale / scale)}};
+    for (std::size_t a = 0; a < 3; ++a)
+      node.position[a] = store->origin()[a] + scale * projection.position[i][a];
+    projected.push_back(node);
+  }
+  return {};
+}
+
+/** \brief Fills a table with a maximal set of samples: nodes, projected, in the order of their ranks,
+ * none nearer than the spacing to one before. Only nodes without a sample near are projected. */
+Error fillTable(const SLIMSurface& surface, double spacing, std::uint64_t seed, int threads,
+                Progress* progress, SampleTable& table, std::uint64_t& tried) {
+  const double step = kStep * spacing / surface.info.scale;
+  if (Error error = checkNodes(surface, step)) return error;
+  const LeafNodes nodes(surface, step, seed);
+  std::vector<ProjectedNode> projected;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const double low = pass > 0 ? std::exp2(pass - kPasses) : 0;
+    const double high = std::exp2(pass + 1 - kPasses);
+    if (progress != nullptr) progress->report(static_cast<float>(low), "sampling");
+    const auto free = freeNodes(nodes, table, low, high, threads, progress, tried);
+    if (progress != nullptr && progress->cancelled())
+      return {ErrorCode::kCancelled, "the sampling was cancelled"};
+    if (Error error = projectNodes(surface, free, threads, projected)) return error;
+    std::sort(projected.begin(), projected.end(),
+              [](const ProjectedNode& a, const ProjectedNode& b) { return a.rank < b.rank; });
+    for (const ProjectedNode& node : projected) {
+      if (!table.isNear(node.position, node.normal)) table.add(node);
+    }
   }
   return {};
 }
@@ -274,14 +354,17 @@ double guessSpacing(const SLIMSurface& surface, double count) {
   return surface.info.scale * std::sqrt(area / count);
 }
 
-void take(const Candidates& candidates, const std::vector<std::uint32_t>& set, double spacing,
+/** Takes samples in the order of their nodes, in which neighbours are near each other. */
+void take(const SampleTable& table, std::vector<std::uint32_t> kept, double spacing,
           SurfaceSamples& samples) {
+  const std::vector<ProjectedNode>& from = table.samples();
+  std::sort(kept.begin(), kept.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return from[i].number < from[j].number; });
   samples.spacing = spacing;
-  samples.candidates = candidates.curvature.size();
-  for (const std::uint32_t i : set) {
-    samples.position.push_back(candidates.points.position[i]);
-    samples.normal.push_back(candidates.points.normal[i]);
-    samples.curvature.push_back(candidates.curvature[i]);
+  for (const std::uint32_t i : kept) {
+    samples.position.push_back(from[i].position);
+    samples.normal.push_back(from[i].normal);
+    samples.curvature.push_back(from[i].curvature);
   }
 }
 
@@ -294,12 +377,12 @@ Error noArea() {
 
 Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
                     Progress* progress, SurfaceSamples& samples) {
-  Candidates candidates;
-  if (Error error = makeCandidates(surface, params.spacing, threads, progress, candidates))
+  SampleTable table(params.spacing, surface.info.oriented);
+  if (Error error = fillTable(surface, params.spacing, params.seed, threads, progress, table,
+                              samples.candidates))
     return error;
-  if (candidates.curvature.empty()) return noArea();
-  take(candidates, poissonSet(candidates.points, params.spacing, params.seed, threads),
-       params.spacing, samples);
+  if (table.samples().empty()) return noArea();
+  take(table, thinned(table, params.spacing, table.samples().size()), params.spacing, samples);
   return {};
 }
 
@@ -309,20 +392,23 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
   const auto wanted = static_cast<double>(params.count);
   const double aim = 0.5 * (1.0 + kSurplus) * wanted + 0.5;
   double spacing = guessSpacing(surface, std::min(wanted, kFirstCount));
-  Candidates candidates;
+  bool found_any = false;
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    if (Error error = makeCandidates(surface, spacing, threads, progress, candidates)) return error;
-    std::vector<std::uint32_t> set = poissonSet(candidates.points, spacing, params.seed, threads);
-    const auto found = static_cast<double>(set.size());
+    SampleTable table(spacing, surface.info.oriented);
+    samples.candidates = 0;
+    if (Error error =
+            fillTable(surface, spacing, params.seed, threads, progress, table, samples.candidates))
+      return error;
+    const auto found = static_cast<double>(table.samples().size());
+    found_any = found > 0;
     const bool close = found <= kSurplus * wanted + 1 || trial + 1 == kMostTrials;
     if (found >= wanted && close) {
-      thinSet(candidates.points, spacing, params.count, set);
-      take(candidates, set, spacing, samples);
+      take(table, thinned(table, spacing, params.count), spacing, samples);
       return {};
     }
     spacing *= std::sqrt(std::max(found, 0.25) / aim);
   }
-  if (candidates.curvature.empty()) return noArea();
+  if (!found_any) return noArea();
   return {ErrorCode::kBadArgument, "the surface has no place for so few samples: give a spacing"};
 }
 
@@ -345,7 +431,10 @@ Error sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& param
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves: fit one");
   const int threads = resolveThreads(params.threads);
   const auto make = params.count > 0 ? sampleCount : sampleSpacing;
-  if (Error error = make(surface, params, threads, progress, samples)) return error;
+  if (Error error = make(surface, params, threads, progress, samples)) {
+    samples = SurfaceSamples();
+    return error;
+  }
   samples.color = surfaceColors(surface, samples.position, samples.normal, threads);
   return {};
 }
