@@ -172,11 +172,12 @@ std::vector<std::uint32_t> thinned(const SampleTable& table, double spacing, std
   return kept;
 }
 
-constexpr double kStep = 0.5;         ///< of the spacing: spacing of the nodes
-constexpr double kReach = 0.5;        ///< of a ball's radius; see ProjectionParams
-constexpr double kMostNodes = 4e9;    ///< nodes that time is spent on
-constexpr double kFirstCount = 4000;  ///< samples of the first trial for a count
-constexpr double kSurplus = 1.03;     ///< samples over the count, at most, that are thinned
+constexpr double kStep = 0.5;        ///< of the spacing: spacing of the nodes
+constexpr double kReach = 0.5;       ///< of a ball's radius; see ProjectionParams
+constexpr double kMostNodes = 4e9;   ///< nodes that time is spent on
+constexpr double kLeastTrial = 500;  ///< samples of the first trial for a count, at least
+constexpr double kMoreSamples = 8;   ///< factor of the samples of the next trial
+constexpr double kSurplus = 1.03;    ///< samples over the count, at most, that are thinned
 constexpr int kMostTrials = 12;
 constexpr int kPasses = 7;        ///< each but the first takes as many nodes as all before it
 constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
@@ -386,12 +387,14 @@ Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& param
   return {};
 }
 
-/** Tries spacings until a few more samples than requested come out, and thins those. */
+/** Tries spacings until a few more samples than requested come out, and thins those. The first trials
+ * have few samples: each shows the spacing that more of them take. */
 Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
                   Progress* progress, SurfaceSamples& samples) {
   const auto wanted = static_cast<double>(params.count);
-  const double aim = 0.5 * (1.0 + kSurplus) * wanted + 0.5;
-  double spacing = guessSpacing(surface, std::min(wanted, kFirstCount));
+  double target = wanted;
+  while (target > kMoreSamples * kLeastTrial) target /= kMoreSamples;
+  double spacing = guessSpacing(surface, target);
   bool found_any = false;
   for (int trial = 0; trial < kMostTrials; ++trial) {
     SampleTable table(spacing, surface.info.oriented);
@@ -406,6 +409,8 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
       take(table, thinned(table, spacing, params.count), spacing, samples);
       return {};
     }
+    target = std::min(wanted, kMoreSamples * target);
+    const double aim = target < wanted ? target : 0.5 * (1.0 + kSurplus) * wanted + 0.5;
     spacing *= std::sqrt(std::max(found, 0.25) / aim);
   }
   if (!found_any) return noArea();
