@@ -109,9 +109,11 @@ class SampleTable {
   }
 
   std::uint64_t hashOfCell(const std::array<double, 3>& place) const {
+    constexpr double kMost = 1e18;  // places farther from the origin, in spacings, share cells
     std::int64_t cell[3];
     for (std::size_t a = 0; a < 3; ++a)
-      cell[a] = static_cast<std::int64_t>(std::floor(place[a] / spacing_));
+      cell[a] =
+          static_cast<std::int64_t>(std::clamp(std::floor(place[a] / spacing_), -kMost, kMost));
     return hashOf(cell[0], cell[1], cell[2]);
   }
 
