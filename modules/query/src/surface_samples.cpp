@@ -176,7 +176,7 @@ std::vector<std::uint32_t> thinned(const SampleTable& table, double spacing, std
 
 constexpr double kStep = 0.5;        ///< of the spacing: spacing of the nodes
 constexpr double kReach = 0.5;       ///< of a ball's radius; see ProjectionParams
-constexpr double kMostNodes = 4e9;   ///< nodes that time is spent on
+constexpr double kMostNodes = 4e9;   ///< of more, the samples take too much memory
 constexpr double kLeastTrial = 500;  ///< samples of the first trial for a count, at least
 constexpr double kMoreSamples = 8;   ///< factor of the samples of the next trial
 constexpr double kSurplus = 1.03;    ///< samples over the count, at most, that are thinned
@@ -357,9 +357,10 @@ double guessSpacing(const SLIMSurface& surface, double count) {
   return surface.info.scale * std::sqrt(area / count);
 }
 
-/** Takes samples in the order of their nodes, in which neighbours are near each other. */
-void take(const SampleTable& table, std::vector<std::uint32_t> kept, double spacing,
-          SurfaceSamples& samples) {
+/** Takes samples, no more than a number, in the order of their nodes, in which neighbours are near
+ * each other. */
+void take(const SampleTable& table, double spacing, std::size_t count, SurfaceSamples& samples) {
+  std::vector<std::uint32_t> kept = thinned(table, spacing, count);
   const std::vector<ProjectedNode>& from = table.samples();
   std::sort(kept.begin(), kept.end(),
             [&](std::uint32_t i, std::uint32_t j) { return from[i].number < from[j].number; });
@@ -385,7 +386,7 @@ Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& param
                               samples.candidates))
     return error;
   if (table.samples().empty()) return noArea();
-  take(table, thinned(table, params.spacing, table.samples().size()), params.spacing, samples);
+  take(table, params.spacing, table.samples().size(), samples);
   return {};
 }
 
@@ -408,7 +409,7 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
     found_any = found > 0;
     const bool close = found <= kSurplus * wanted + 1 || trial + 1 == kMostTrials;
     if (found >= wanted && close) {
-      take(table, thinned(table, spacing, params.count), spacing, samples);
+      take(table, spacing, params.count, samples);
       return {};
     }
     target = std::min(wanted, kMoreSamples * target);

@@ -312,5 +312,35 @@ TEST(SharedNoise, StatesItsError) {
   }
 }
 
+/** Places that a first look left, and those that it measured, are all places. */
+TEST(SharedNoise, TwoLooksAreOne) {
+  const PointStore store = storeOf(boxNoise(3, 0.001));
+  const detail::NoiseConstants constants;
+  for (const std::size_t k : {20u, 1280u}) {  // the wider ones on every fourth point
+    detail::ThinnedPlaces at_once(store, 300), first(store, 300), rest(store, 300);
+    const detail::PatchScale all = measureScale(at_once, k, constants, 2);
+    const detail::PatchScale few = measureScale(first, k, constants, 2, nullptr, {3});
+    const detail::PatchScale both = measureScale(rest, k, constants, 2, nullptr, {3, &few});
+    EXPECT_EQ(std::count_if(few.variances.begin(), few.variances.end(),
+                            [](double variance) { return variance >= 0; }),
+              100);
+    EXPECT_EQ(both.variances, all.variances);
+    EXPECT_EQ(both.shared, all.shared);
+    EXPECT_EQ(both.radii, all.radii);
+  }
+}
+
+/** A third of the places is enough where every half of them shows white noise. */
+TEST(SharedNoise, TakesMorePlacesThanWhiteNoise) {
+  const auto placesOf = [](const Cloud& cloud) {
+    const PointStore store = storeOf(cloud);
+    const NoiseLevel white = detail::measureNoise(store, {}, 1);
+    return detail::recognizeSharedNoise(store, white, {}, 1).patches - white.patches;
+  };
+  const std::uint64_t white = placesOf(boxNoise(1, 0.001)), shared = placesOf(boxNoise(3, 0.001));
+  EXPECT_EQ(white % 100, 0u);
+  EXPECT_LT(2 * white, shared);
+}
+
 }  // namespace
 }  // namespace pcl_slim

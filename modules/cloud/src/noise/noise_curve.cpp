@@ -265,20 +265,22 @@ bool isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& consta
 }
 
 /** Measures scales from patches of k points on, two at least, until wider ones add nothing.
- * \param[in] step every step-th place is measured, and all that an earlier look left
- * \param[in] seen scales of the earlier look; null: this is the first one */
+ * \param[in] step every step-th place is measured
+ * \param[in] seen the scales of such a look: the places that it left are measured; null: none */
 std::vector<PatchScale> measureScales(const PointStore& store, std::size_t places, std::size_t k,
-                                      std::size_t step, const std::vector<PatchScale>* seen,
-                                      const NoiseConstants& constants, int threads) {
+                                      const NoiseConstants& constants, int threads,
+                                      std::size_t step = 1,
+                                      const std::vector<PatchScale>* seen = nullptr) {
   ThinnedPlaces points(store, places);
   const std::size_t most = store.size() / constants.most_part;
   std::vector<PatchScale> scales;
   const auto isKnown = [&] { return isShape(scales, constants) || isWhite(scales, constants); };
   for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2) {
-    PlaceLook look;
-    const std::size_t i = scales.size();
-    if (seen == nullptr || i < seen->size()) look.step = step;
-    if (seen != nullptr && i < seen->size()) look.seen = &(*seen)[i];
+    PlaceLook look{step};
+    if (seen != nullptr) {
+      const std::size_t i = scales.size();
+      look = i < seen->size() ? PlaceLook{step, &(*seen)[i]} : PlaceLook{};
+    }
     const PatchScale* narrower = scales.empty() ? nullptr : &scales.back();
     scales.push_back(measureScale(points, k, constants, threads, narrower, look));
   }
@@ -411,18 +413,17 @@ NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
   const std::size_t wanted = store.size() / kPointsPerPlace;
   const std::size_t places = std::clamp(wanted, constants.least_samples, shared.places);
   const std::size_t step = places / constants.least_samples;
-  const auto few = measureScales(store, places, k, step, nullptr, constants, threads);
+  const auto few = measureScales(store, places, k, constants, threads, step);
   NoiseCurve curve = curveOf(firstLook(few, step));
   // Without any error, the noise of every half is white.
   if (!(neededPlaces(curve, white, shared) > 0)) return curve;
-  if (step > 1) curve = curveOf(measureScales(store, places, k, step, &few, constants, threads));
+  if (step > 1) curve = curveOf(measureScales(store, places, k, constants, threads, step, &few));
   const double needed = neededPlaces(curve, white, shared), now = static_cast<double>(places);
   const std::size_t most = std::min(shared.most_places, wanted);
   constexpr double kLeastFactor = 4;  // the number needed is uncertain if estimated from few places
   if (places >= most || !(needed > now)) return curve;
   const double more = std::min(std::max(needed, kLeastFactor * now), static_cast<double>(most));
-  return curveOf(
-      measureScales(store, static_cast<std::size_t>(more), k, 1, nullptr, constants, threads));
+  return curveOf(measureScales(store, static_cast<std::size_t>(more), k, constants, threads));
 }
 
 }  // namespace pcl_slim::detail

@@ -121,6 +121,7 @@ NoiseField fieldOf(const PatchScale& scale, const PatchScale& wider, std::size_t
   return field;
 }
 
+/** Measures the field at evenly strided places. */
 NoiseField measuredField(const PointStore& store, const NoiseLevel& level, std::size_t count,
                          const NoiseConstants& constants, int threads) {
   ThinnedPlaces places(store, count);

@@ -104,7 +104,7 @@ class ScannedPlaces {
 double scannerSpread(const PointStore& store, const std::array<double, 3>& eye) {
   constexpr std::size_t kPlaces = 512;
   constexpr std::size_t kFirst = 4;            // every fourth place comes first ...
-  constexpr double kClear = 0.5, kNone = 1.0;  // ... and suffices below and above these ratios
+  constexpr double kClear = 0.5, kNone = 1.3;  // ... and suffices below and above these ratios
   const Vector3 from = scaled(subtract(eye, store.origin()), 1 / store.scale());
   ScannedPlaces scanned(store, from);
   const std::size_t places = std::min(kPlaces, store.size());
