@@ -23,6 +23,8 @@ extensions = ["myst_parser"]
 myst_heading_anchors = 4  # as GitHub makes them
 root_doc = "README"
 include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "benchmarks/README.md"]
+# What git ignores is not walked through: a workspace of colcon in build/ has a link to this folder.
+exclude_patterns = ["build", "demo_out", "install", "wheel_out", ".git", ".cache"]
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
