@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <cstdint>
 #include <vector>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/compare/registration.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -184,9 +185,12 @@ Modes modesOf(const Equations& e, double least_slope) {
 
 /** The step that reduces the residuals, in the determined modes. */
 Vector6 stepOf(const Equations& e, const Modes& modes) {
-  const auto axes = modes.axes.leftCols(modes.rank);
-  const Eigen::MatrixXd reduced = axes.transpose() * e.information * axes;
-  return -(axes * reduced.ldlt().solve(axes.transpose() * e.right));
+  Matrix6 axes = modes.axes;
+  for (int k = modes.rank; k < 6; ++k) axes.col(k).setZero();
+  Matrix6 reduced = axes.transpose() * e.information * axes;
+  for (int k = modes.rank; k < 6; ++k) reduced(k, k) = 1;
+  const Vector6 right = axes.transpose() * e.right;
+  return -(axes * reduced.ldlt().solve(right));
 }
 
 RigidMotion motionOf(const Vector6& step, const Vector3& center, double gyration) {
@@ -201,11 +205,11 @@ void setErrors(const Equations& e, const Modes& modes, double gyration, double p
   numbers << made.translation[0], made.translation[1], made.translation[2],
       gyration * made.rotation[0], gyration * made.rotation[1], gyration * made.rotation[2];
   Matrix6 covariance = Matrix6::Zero();
-  if (modes.rank > 0) {
-    const auto axes = modes.axes.leftCols(modes.rank);
-    const Eigen::MatrixXd design = axes.transpose() * e.design * axes;
-    const double factor = e.influence * per_independent / static_cast<double>(e.places);
-    covariance = axes * (factor * design.inverse()) * axes.transpose();
+  const double factor = e.influence * per_independent / static_cast<double>(e.places);
+  for (int k = 0; k < modes.rank; ++k) {
+    const double slope = modes.slope[static_cast<std::size_t>(k)];
+    const Vector6 axis = modes.axes.col(k);
+    covariance += factor / (slope * slope) * axis * axis.transpose();
   }
   const Vector6 units = (Vector6() << 1, 1, 1, 1 / gyration, 1 / gyration, 1 / gyration).finished();
   for (int a = 0; a < 6; ++a) {

@@ -2,7 +2,8 @@
 // Patches of the noise estimate beside Eigen's own algebra.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -2,10 +2,11 @@
 // Positions and normals fitted together.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 
+#include "least_squares/dense.h"
 #include "least_squares/least_squares.h"
 #include "scan/ball_kernels.h"
 #include "support/clouds.h"
@@ -83,10 +84,10 @@ Reference reference(const BallBuffer& ball, int degree, double rho, WeightKernel
   Eigen::VectorXd values(3 * n);
   values << z, s;
   Reference r;
-  r.c = all.colPivHouseholderQr().solve(values);
+  r.c = solveLeastSquares(all, values);
   r.residual_sq = (z - heights * r.c).squaredNorm() / weight;
   r.slope_misfit = (s - slopes * r.c).squaredNorm() / weight;
-  r.terms = (all.transpose() * all).ldlt().solve(heights.transpose() * heights).trace();
+  r.terms = solveLeastSquares(all.transpose() * all, heights.transpose() * heights).trace();
   return r;
 }
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/measures.h"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "least_squares/dense.h"
 #include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/cloud/detail/patch_residuals.h"
 #include "pcl_slim/cloud/knn.h"
@@ -30,9 +31,8 @@ struct PatchSums {
 /** A patch in a frame, in units of its radius: terms of a cubic, heights and the normals' slopes.
  */
 struct FramedPatch {
-  Eigen::Matrix<double, Eigen::Dynamic, kTerms> terms;
-  Eigen::VectorXd heights;
-  Eigen::MatrixX2d slopes;
+  Eigen::MatrixXd terms;   ///< a row a point
+  Eigen::MatrixXd values;  ///< rows of the height and two slopes
 };
 
 /** Those of the neighbours whose normals turn about as the sample's. */
@@ -60,8 +60,7 @@ FramedPatch framePatch(const PointStore& store, const std::vector<std::uint32_t>
   const auto count = static_cast<Eigen::Index>(points.size());
   FramedPatch patch;
   patch.terms.resize(count, kTerms);
-  patch.heights.resize(count);
-  patch.slopes.resize(count, 2);
+  patch.values.resize(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
     const std::uint32_t j = points[static_cast<std::size_t>(i)];
     const auto p = store.position(j);
@@ -70,27 +69,22 @@ FramedPatch framePatch(const PointStore& store, const std::vector<std::uint32_t>
     const Eigen::Vector3d normal(n[0], n[1], n[2]);
     const double x = offset.dot(u) / radius, y = offset.dot(v) / radius;
     patch.terms.row(i) << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
-    patch.heights[i] = offset.dot(w) / radius;
     const double cosine = std::max(normal.dot(w), least_cosine);
-    patch.slopes.row(i) << -normal.dot(u) / cosine, -normal.dot(v) / cosine;
+    patch.values.row(i) << offset.dot(w) / radius, -normal.dot(u) / cosine, -normal.dot(v) / cosine;
   }
   return patch;
 }
 
-template <typename Terms, typename Values>
-auto residuals(const Terms& terms, const Values& values) {
-  return (values - terms * terms.householderQr().solve(values)).eval();
-}
-
 PatchSums measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants) {
-  const Eigen::Index count = patch.heights.size();
-  const Eigen::MatrixX2d slopes = residuals(patch.terms, patch.slopes);
-  const Eigen::VectorXd heights = residuals(patch.terms, patch.heights);
+  const Eigen::Index count = patch.values.rows();
+  const Eigen::MatrixXd residuals =
+      patch.values - patch.terms * solveLeastSquares(patch.terms, patch.values);
+  const auto slopes = residuals.rightCols<2>();
   // The plane through the noise of the points next to the sample.
   const auto tilt_points = static_cast<Eigen::Index>(constants.tilt_points);
-  const Eigen::MatrixX3d plane = patch.terms.leftCols<3>().topRows(tilt_points);
-  const Eigen::Vector2d tilt = plane.householderQr().solve(heights.head(tilt_points)).tail<2>();
-  const Eigen::Vector2d own = slopes.row(0);
+  const Eigen::MatrixXd plane = solveLeastSquares(patch.terms.topLeftCorner(tilt_points, 3),
+                                                  residuals.topLeftCorner(tilt_points, 1));
+  const Eigen::Vector2d tilt(plane(1, 0), plane(2, 0)), own = slopes.row(0);
   PatchSums sums;
   sums.squares = slopes.squaredNorm() / static_cast<double>(count - kTerms);
   sums.own_sq = own.squaredNorm();

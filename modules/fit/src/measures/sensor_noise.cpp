@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The noise of a sensor, measured on one frame and used for the next ones (docs/noise.md, "A
 // sensor's next frame").
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "least_squares/dense.h"
 #include "measures/measures.h"
 #include "pcl_slim/cloud/detail/patch_residuals.h"
 #include "pcl_slim/core/order_statistics.h"
@@ -189,7 +190,7 @@ std::optional<std::array<double, 3>> fitTerms(const std::vector<RangeBin>& bins,
       matrix(i, j) = std::pow(bin.range, powers[static_cast<std::size_t>(j)]) / bin.error;
   }
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(rows);
-  const Eigen::VectorXd factors = matrix.colPivHouseholderQr().solve(ones);
+  const Eigen::VectorXd factors = solveLeastSquares(matrix, ones);
   squares = (matrix * factors - ones).squaredNorm();
   std::array<double, 3> error{};
   for (Eigen::Index j = 0; j < count; ++j) {

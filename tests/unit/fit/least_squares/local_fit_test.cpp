@@ -2,10 +2,11 @@
 // Weighted least squares of one ball against Eigen in double.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 
+#include "least_squares/dense.h"
 #include "least_squares/least_squares.h"
 #include "scan/ball_kernels.h"
 
@@ -102,7 +103,7 @@ LocalFit referenceFit(const BallBuffer& ball, int degree, double rho, WeightKern
     }
     heights(i) = root * ball.w[s];
   }
-  const Eigen::VectorXd c = rows.colPivHouseholderQr().solve(heights);
+  const Eigen::VectorXd c = solveLeastSquares(rows, heights);
   LocalFit fit;
   fit.degree = degree;
   for (int k = 0; k < terms; ++k) fit.c[static_cast<std::size_t>(k)] = c(k);
