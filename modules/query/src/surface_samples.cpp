@@ -228,8 +228,9 @@ class LeafNodes {
       const std::uint64_t number = first_[at] + static_cast<std::uint64_t>(k);
       const double rank = SplitMix{seed_ ^ number}.nextShare();
       if (rank < low || rank >= high) continue;
-      const double u = pitch * static_cast<double>(k % side) - reach;
-      const double v = pitch * static_cast<double>(k / side) - reach;
+      const std::int64_t column = k % side, row = k / side;
+      const double u = pitch * static_cast<double>(column) - reach;
+      const double v = pitch * static_cast<double>(row) - reach;
       if (u * u + v * v > reach * reach) continue;
       if (surface_.isOpen(i) && outsideShare(map, u, v) > 0.5) continue;
       const double h = evaluateHeight(surface_.degree[i], surface_.coefficientsOf(i), u, v);

@@ -61,7 +61,8 @@ std::vector<LocalNoise> localNoise(const PatchScale& scale, double level, double
   std::vector<double> variances = scale.variances;
   restoreCutVariances(scale.radii, constants, threads, variances);
   // The median of chi-square over its number of degrees of freedom (Wilson and Hilferty 1931).
-  const auto freedom = static_cast<double>(scale.k / scale.stride - kCubicTerms);
+  const std::size_t points = scale.k / scale.stride;
+  const auto freedom = static_cast<double>(points - kCubicTerms);
   const double bias = 3 * std::log(1 - 2 / (9 * freedom)), least = std::log(kLeastRatio);
   std::vector<LocalNoise> noise(variances.size());
   std::vector<double> logs;
