@@ -16,6 +16,12 @@ def read_version():
         return re.search(r'PCL_SLIM_VERSION "(.*)"', file.read())[1]
 
 
+def read_ignored():
+    """What git ignores: a workspace of colcon in build/ has a link to this folder, which would be walked through again."""
+    with open(os.path.join(ROOT, ".gitignore"), encoding="utf-8") as file:
+        return [line.strip().strip("/") for line in file if line.strip()]
+
+
 project = "pcl_slim"
 version = release = read_version()
 html_title = f"pcl_slim {release}"
@@ -23,8 +29,7 @@ extensions = ["myst_parser"]
 myst_heading_anchors = 4  # as GitHub makes them
 root_doc = "README"
 include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "benchmarks/README.md"]
-# What git ignores is not walked through: a workspace of colcon in build/ has a link to this folder.
-exclude_patterns = ["build", "demo_out", "install", "wheel_out", ".git", ".cache"]
+exclude_patterns = [".git", *read_ignored()]
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
