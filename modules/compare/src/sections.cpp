@@ -140,7 +140,7 @@ Result<std::vector<SectionLine>> cutMesh(const TriangleMesh& mesh, const Section
       const std::uint32_t a = corners[k], b = corners[(k + 1) % 3];
       const bool above = height[a] >= 0;
       if (above == (height[b] >= 0)) continue;
-      (above ? from : to) = {std::min(a, b), std::max(a, b)};
+      (above ? from : to) = std::minmax(a, b);
     }
     if (from.first == kNone) continue;
     cuts.emplace_back(from, to);
