@@ -185,12 +185,9 @@ Modes modesOf(const Equations& e, double least_slope) {
 
 /** The step that reduces the residuals, in the determined modes. */
 Vector6 stepOf(const Equations& e, const Modes& modes) {
-  Matrix6 axes = modes.axes;
-  for (int k = modes.rank; k < 6; ++k) axes.col(k).setZero();
-  Matrix6 reduced = axes.transpose() * e.information * axes;
-  for (int k = modes.rank; k < 6; ++k) reduced(k, k) = 1;
-  const Vector6 right = axes.transpose() * e.right;
-  return -(axes * reduced.ldlt().solve(right));
+  const auto axes = modes.axes.leftCols(modes.rank);
+  const Eigen::MatrixXd reduced = axes.transpose() * e.information * axes;
+  return -(axes * reduced.ldlt().solve(axes.transpose() * e.right));
 }
 
 RigidMotion motionOf(const Vector6& step, const Vector3& center, double gyration) {
