@@ -392,7 +392,8 @@ Error sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& param
 }
 
 /** Tries spacings until a few more samples than requested come out, and thins those. The first trials
- * have few samples: each shows the spacing that more of them take. */
+ * have few samples: each shows the spacing that more of them take. Where the number jumps over
+ * the few percent, the last trial repeats the one with the fewest samples that are enough. */
 Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
                   Progress* progress, SurfaceSamples& samples) {
   const auto wanted = static_cast<double>(params.count);
@@ -400,6 +401,7 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
   while (target > kMoreSamples * kLeastTrial) target /= kMoreSamples;
   double spacing = guessSpacing(surface, target);
   bool found_any = false;
+  double fewest = HUGE_VAL, best_spacing = 0;
   for (int trial = 0; trial < kMostTrials; ++trial) {
     SampleTable table(spacing, surface.info.oriented);
     samples.candidates = 0;
@@ -413,9 +415,14 @@ Error sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params,
       take(table, spacing, params.count, samples);
       return {};
     }
+    if (found >= wanted && found < fewest) {
+      fewest = found;
+      best_spacing = spacing;
+    }
     target = std::min(wanted, kMoreSamples * target);
     const double aim = target < wanted ? target : 0.5 * (1.0 + kSurplus) * wanted + 0.5;
     spacing *= std::sqrt(std::max(found, 0.25) / aim);
+    if (trial + 2 == kMostTrials && best_spacing > 0) spacing = best_spacing;
   }
   if (!found_any) return noArea();
   return {ErrorCode::kBadArgument, "the surface has no place for so few samples: give a spacing"};

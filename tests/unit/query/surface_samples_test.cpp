@@ -88,6 +88,26 @@ TEST(SurfaceSamples, AreAsManyAsAskedFor) {
   }
 }
 
+/** Where the number of samples varies more than the surplus that is thinned, as the seed shows. */
+TEST(SurfaceSamples, AreAsManyForEverySeed) {
+  Cloud cloud;
+  for (int i = 0; i < 20000; ++i) {
+    const double z = (i + 0.5) / 20000, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
+    const auto rounded = [](double value) { return 1e-6 * std::round(1e6 * value); };
+    cloud.add(rounded(5 * r * std::cos(a)), rounded(5 * r * std::sin(a)), rounded(5 * z));
+  }
+  const SLIMSurface surface = pcl_slim_test::fitted(cloud.withoutNormals(), {}).surface;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SurfaceSampleParams params;
+    params.count = 400;
+    params.seed = seed;
+    SurfaceSamples samples;
+    const Error error = sampleSurface(surface, params, samples);
+    EXPECT_FALSE(error) << error.message << " seed " << seed;
+    EXPECT_EQ(samples.size(), params.count);
+  }
+}
+
 TEST(SurfaceSamples, EndWhereTheDataEnd) {
   const SLIMSurface open = sphere(1, true);
   const SurfaceSamples samples = sampled(open, 0.1, 0);

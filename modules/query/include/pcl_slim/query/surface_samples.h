@@ -42,7 +42,8 @@ struct SurfaceSamples {
  * Candidates are the nodes of a grid of half the spacing on every leaf, in a random order. One that
  * no sample is nearer to than the spacing is projected onto the blended surface and is a sample if
  * this is so there, too. Points of two sheets that face apart do not hinder each other. For a count,
- * the spacing is sought at which up to 3 % more fit, of which those nearest to another are left out.
+ * the spacing is sought at which up to 3 % more fit, or as few more as in twelve trials; those
+ * nearest to another are left out.
  * O(candidates), 25 to 40 per sample, of which 2 are projected; the same for any number of threads.
  * \return an error for bad parameters, a surface without leaves, or cancellation. */
 PCL_SLIM_EXPORT Error sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& params,
