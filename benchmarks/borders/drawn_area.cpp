@@ -32,7 +32,7 @@ std::vector<Camera> axisViews(const SLIMSurface& surface, int size) {
   return cameras;
 }
 
-/** \brief One view's pixels: where they lie, and how much area each shows. */
+/** \brief One view's pixels: where they are, and how much area each shows. */
 class ViewPixels {
  public:
   ViewPixels(const SLIMSurface& surface, const Camera& camera, const GBuffer& buffer)

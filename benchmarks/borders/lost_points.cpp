@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kPlaces = 9;           ///< the foot and 8 around it
 constexpr double kAround = 0.5;      ///< spacings that those are away
-constexpr double kSameSheet = 0.25;  ///< radii a place may lie beside a leaf's own surface
+constexpr double kSameSheet = 0.25;  ///< radii a place may be beside a leaf's own surface
 
 /** \brief What leaves say of a place: the renderer's blend, met at the place itself. */
 struct PlaceBlend {
@@ -28,7 +28,7 @@ struct PlaceBlend {
   }
 };
 
-/** \brief Adds one leaf to a place, told from the leaf's centre in its radii. */
+/** \brief Adds one leaf to a place, given from the leaf's centre in its radii. */
 void addLeaf(const SLIMSurface& surface, std::size_t i, const Vector3& offset, bool trim,
              PlaceBlend& sum) {
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});

@@ -67,7 +67,7 @@ std::vector<RimPlace> stripSide(double side) {
   return rim;
 }
 
-/** \brief Random places of density 1, or a jittered grid, where a shape holds them. */
+/** \brief Random places of density 1, or a jittered grid, where a shape contains them. */
 std::vector<double> samples(const std::function<bool(double, double)>& holds, bool grid,
                             double noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);

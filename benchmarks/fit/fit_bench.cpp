@@ -39,7 +39,7 @@ struct Row {
   bool normals = true;
 };
 
-/** Medians over the repeats; seconds unless told otherwise. */
+/** Medians over the repeats; seconds unless said otherwise. */
 struct Timing {
   std::vector<double> unit, units_cpu, units_wall, cpu, store, noise, cover, links, orient, trim;
   double counted_bytes = 0, peak_bytes = 0;

@@ -82,7 +82,7 @@ Mesh meshOf(const measure::Scene& clean, const measure::Scene& scene) {
   return mesh;
 }
 
-/** What CGAL's ridges are told from, at each vertex. */
+/** What CGAL's ridges are computed from, at each vertex. */
 struct Jets {
   Numbers k1, k2, b0, b3, p1, p2;
   Vectors d1, d2;

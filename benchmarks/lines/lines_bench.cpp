@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Crest lines against exact ones: how many are found, how many are false, how far off they lie.
+// Crest lines against exact ones: how many are found, how many are false, how far off they are.
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -109,7 +109,7 @@ Error traceTurned(const Settings& s, measure::Scene scene, CrestLines& lines, Ou
   return {};
 }
 
-/** Mean radius of the leaves along the lines, in spacings, and the share of vertices that lie
+/** Mean radius of the leaves along the lines, in spacings, and the share of vertices that are
  * farther than a quarter of theirs from the truth. */
 void compareRadii(const CrestLines& lines, const std::vector<std::vector<Segment>>& truth,
                   double spacing, Outcome& outcome) {

@@ -17,7 +17,7 @@ struct JonesParams {
 
 Points jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& params);
 
-/** \brief Told how far an iterative filter has come, with the mesh as it would be if it ended
+/** \brief Called with how far an iterative filter has come, with the mesh as it would be if it ended
  * there. */
 using Snapshot = std::function<void(int iterations, const Points& vertices)>;
 
@@ -25,7 +25,7 @@ using Snapshot = std::function<void(int iterations, const Points& vertices)>;
  * Fu, Au, Tai: Bilateral normal filtering for mesh denoising, TVCG 2011). */
 struct NormalFilterParams {
   double range = 0.35;         ///< sigma over differences of normals
-  std::vector<int> snapshots;  ///< numbers of iterations to be told of, ascending
+  std::vector<int> snapshots;  ///< numbers of iterations to be reported, ascending
   int vertex_iterations = 10;  ///< of the vertex update
 };
 
@@ -33,7 +33,7 @@ void bilateralNormalFilter(const Points& vertices, const MeshFaces& faces,
                            const NormalFilterParams& params, const Snapshot& tell);
 
 /** \brief The same with weights from a guidance: the mean normal of the most consistent patch that
- * holds a face; vertices follow after each iteration (Zhang, Deng, Zhang, Bouaziz, Liu: Guided mesh
+ * contains a face; vertices follow after each iteration (Zhang, Deng, Zhang, Bouaziz, Liu: Guided mesh
  * normal filtering, Pacific Graphics 2015). */
 void guidedNormalFilter(const Points& vertices, const MeshFaces& faces,
                         const NormalFilterParams& params, const Snapshot& tell);
@@ -50,7 +50,7 @@ void followNormals(const Points& normals, const MeshFaces& faces, const MeshTopo
                    int iterations, Points& vertices);
 
 /** \brief Faces within a distance of a face's centroid, reached over shared corners; the face
- * itself comes first. seen must be as long as the faces and hold no number above f. */
+ * itself comes first. seen must be as long as the faces and contain no number above f. */
 void facesWithin(const Points& centroids, const MeshTopology& topology, std::uint32_t f,
                  double reach, std::vector<std::uint32_t>& seen, std::vector<std::uint32_t>& found);
 

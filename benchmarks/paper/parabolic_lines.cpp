@@ -20,7 +20,7 @@ struct Errors {
 constexpr double kNear = 0.1;  ///< half the height of the band, in radii of the tube
 
 bool byParabolicLine(const measure::Truth& truth) {
-  // The parabolic circles lie where the normal is the torus' axis.
+  // The parabolic circles are where the normal is the torus' axis.
   return std::abs(truth.normal[2]) > std::sqrt(1 - kNear * kNear);
 }
 

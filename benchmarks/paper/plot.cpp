@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 300, kHeight = 240, kLeft = 62, kTop = 26, kBottom = 44, kGap = 22;
 
-/** Powers of ten that hold all values of an axis. */
+/** Powers of ten that enclose all values of an axis. */
 struct Axis {
   double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
 

@@ -68,7 +68,7 @@ Scan seenFrom(const PointStore& store, const Camera& camera) {
   return scan;
 }
 
-/** Means of the points of each cell of a grid, as discs that hold a cell: equal ones, as QSplat's.
+/** Means of the points of each cell of a grid, as discs that enclose a cell: equal ones, as QSplat's.
  */
 std::vector<Splat> cellDiscs(const std::vector<Splat>& points, double cell) {
   std::map<std::array<std::int64_t, 3>, std::pair<Splat, double>> cells;

@@ -11,7 +11,7 @@
 
 namespace pcl_slim::paper {
 
-/** \brief What every study is told. */
+/** \brief The settings of every study. */
 struct StudySettings {
   std::string data;  ///< folder of scans
   std::string out;   ///< folder for tables and pictures

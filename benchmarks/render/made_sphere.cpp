@@ -17,7 +17,7 @@ struct Level {
   bool leaves;
 };
 
-/** \brief Point i of n that lie evenly on the unit sphere (Fibonacci's lattice). */
+/** \brief Point i of n spread evenly over the unit sphere (Fibonacci's lattice). */
 std::array<double, 3> latticePoint(std::size_t i, std::size_t n) {
   const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(n);
   const double turn = std::fmod(static_cast<double>(i) * 0.6180339887498949, 1.0);

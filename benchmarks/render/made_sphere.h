@@ -12,12 +12,12 @@ namespace pcl_slim {
 struct MadeSphere {
   std::size_t leaves = 48000;
   int degree = 2;
-  bool cap = false;    ///< only what lies within 20 degrees of the viewer's axis
+  bool cap = false;    ///< only what is within 20 degrees of the viewer's axis
   bool links = false;  ///< internal surfels too, an eighth as many from level to level
 };
 
 /** \brief A sphere's surfels at even distances, balls that overlap as those of fitted scans do: a
- * point lies in about eleven leaves and in four surfels of an internal level. */
+ * point is in about eleven leaves and in four surfels of an internal level. */
 SLIMSurface makeSphere(const MadeSphere& made);
 
 /** \brief The camera before it. \param[in] zoom 1: the whole sphere; larger: a part in the middle

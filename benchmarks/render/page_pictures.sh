@@ -120,7 +120,7 @@ for name in scan even; do
     -filtered 0 -view 0,5 -up y -quiet 1
   mogrify -level 60%,100% ${name}_points.png
 done
-# count FILE: the points of a file that it tells in its head.
+# count FILE: the points of a file that its header announces.
 count() { sed -n '/^POINTS\|^element vertex/ { s/.* //p; q }' "$1"; }
 sheet sample.png "$(count "$bunny") points of a scan" scan_points "$(count even.pcd) points, evenly spread" even_points
 

@@ -29,7 +29,7 @@ struct Settings {
   bool reference = true, trim = true;
 };
 
-/** \brief Milliseconds a frame: as a clock tells, of all threads together, and of the quickest. */
+/** \brief Milliseconds a frame: by the clock, of all threads together, and of the quickest. */
 struct FrameTime {
   double wall = 0.0, cpu = 0.0;
   double least = 0.0;  ///< wall of the quickest frame

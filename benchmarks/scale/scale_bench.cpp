@@ -142,7 +142,7 @@ int fail(const Error& error) {
   return 1;
 }
 
-/** Projects points of the true surface and tells how far they go, and normals turn. */
+/** Projects points of the true surface and reports how far they go, and normals turn. */
 int truth(const ScaleSurface& surface, const std::string& path) {
   const PointStore store = storeOf(truePoints(surface));
   const auto on = project(store, path);

@@ -16,7 +16,7 @@ struct SensorRow {
   std::vector<double> radii;  ///< [m]
 };
 
-/** \brief Every row whose name holds a text. */
+/** \brief Every row whose name contains a text. */
 std::vector<SensorRow> sensorRows(const std::string& part);
 
 }  // namespace pcl_slim::measure

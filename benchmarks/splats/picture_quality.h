@@ -34,7 +34,7 @@ struct PictureDifference {
  * One-sided scans are seen from their side and from 30 degrees about, anything else from four
  * sides and twice from above. Pictures are unlit, one ray a pixel. Inner pixels are those around
  * which, 3 pixels far, all points cover everything without a step in depth of more than 2 % of
- * the extent; what lies so far behind is seen through a hole.
+ * the extent; what is so far behind is seen through a hole.
  */
 class PictureComparison {
  public:

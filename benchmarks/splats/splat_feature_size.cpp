@@ -28,7 +28,7 @@ struct Points {
   double diagonal = 1;
 };
 
-/** Centres of the largest balls that touch each point from either side and hold no other: where the
+/** Centres of the largest balls that touch each point from either side and contain no other: where the
  * medial axis is. Then each point's distance to the nearest of them, its local feature size.
  * O(points^2). */
 void findFeatureSizes(double spacing, Points& points) {

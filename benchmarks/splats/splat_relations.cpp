@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // splat_relations: how the number of splats follows the tolerances, as Figs 11, 12 and 14 of the
-// colour splat paper tell it.
+// colour splat paper give it.
 #include <cstdio>
 #include <string>
 #include <vector>

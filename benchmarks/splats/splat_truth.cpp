@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// splat_truth: how far splats lie from exact points, and how far their normals turn from those.
+// splat_truth: how far splats are from exact points, and how far their normals turn from those.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -4,7 +4,7 @@
 # well, and writes reports, pictures and the tables of benchmarks/README.md.
 #   benchmarks/tables/scan_table.sh DATA_FOLDER OUT_FOLDER
 # The programs are those of build/release/bin, or of the folder named by BIN_DIR. Needs python3.
-# THREADS (2) and REPEATS (3: the fastest fit is told) may be set.
+# THREADS (2) and REPEATS (3: the fastest fit is reported) may be set.
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -15,7 +15,7 @@ threads=${THREADS:-2}
 repeats=${REPEATS:-3}
 shopt -s nullglob
 scans=("$data"/*.pcd "$data"/*.ply)
-[ ${#scans[@]} -gt 0 ] || usage "$data holds no .pcd or .ply scan"
+[ ${#scans[@]} -gt 0 ] || usage "$data has no .pcd or .ply scan"
 
 # fit SCAN NAME OPTION...: report NAME.N.json of each repeat, surface NAME.slim, output NAME.log.
 fit() {

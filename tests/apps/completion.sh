@@ -76,7 +76,7 @@ completes $long 'pcl_slim_smooth -surface s' scan.pcd scene.ply
 completes completions/pcl_slim_render 'pcl_slim_render -camera a' auto
 completes completions/pcl_slim_render 'pcl_slim_render -up |' -x -y -z auto x y z
 
-# Sourced as the program prints it, without files beside: programs are asked for theirs.
+# Sourced as the program prints it, without files beside: programs print theirs.
 mkdir alone
 cp $one alone/
 completes alone/pcl_slim "$bin/pcl_slim smooth -cur" -curvatures

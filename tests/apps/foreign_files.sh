@@ -72,7 +72,7 @@ expect 0 '' degrees.csv d.pcd -units length
 tail -n +2 degrees.csv | awk -F, '{ print $1, $2, 1000 * $3 }' > degrees.xyz
 expect 2 'x and y are degrees' degrees.xyz d.pcd
 rm -f d.pcd
-# Lengths of different units give no surface, or one that files can hold.
+# Lengths of different units give no surface, or one that files can store.
 for program in pcl_slim_fit pcl_slim_mesh; do
   "$bin/$program" degrees.xyz d.ply -units length -quiet 2> err.txt
   ! grep -q 'surfel' err.txt || complain "$program speaks of the inside: $(cat err.txt)"

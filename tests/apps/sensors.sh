@@ -72,7 +72,7 @@ done
 grep -q '"sensors": "fields"' own.json || complain "$(grep '"sensors"' own.json)"
 grep -q '"sensors": "trajectory"' tum.json || complain "$(grep '"sensors"' tum.json)"
 
-# The same through PLY and LAS, whose extra bytes hold the places and whose own field the times.
+# The same through PLY and LAS, whose extra bytes store the places and whose own field the times.
 for form in ply las; do
   expect 0 '' pcl_slim_smooth own.pcd own.$form
   expect 0 '' pcl_slim_smooth own.$form smooth.$form -normals 1 -json $form.json

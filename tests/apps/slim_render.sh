@@ -210,7 +210,7 @@ expect 0 '' pcl_slim_render surface.slim b.png $small -camera 0,-1,0.5,0,0,0.2,0
 same a.png b.png
 
 # Mistakes.
-# .ppm holds the same pixels, uncompressed.
+# .ppm has the same pixels, uncompressed.
 expect 0 '' pcl_slim_render surface.slim a.PPM $small
 size=${small#*-size }
 size=${size%% *}

@@ -12,7 +12,7 @@ done
 expect 0 '' pcl_color_splat_sampling scan.pcd gradient.ply -max_splats 600 -rays 0 -colors gradient
 expect 0 '' pcl_slim_fit scan.pcd surface.pcd -color 0
 
-# Both formats hold the same discs; threads change nothing, options do.
+# Both formats contain the same discs; threads change nothing, options do.
 small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render splats.pcd color.png $small -json report.json -threads 1
 grep -q '^> Loading splats.pcd \[done, .* splats\]' out.txt || complain "no Loading line"

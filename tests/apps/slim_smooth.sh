@@ -188,7 +188,7 @@ header whole_out.pcd 'SIZE 8 8 8 4 8'
 expect 0 '' mesh.ply faceless.pcd -use_normals 0
 header faceless.pcd 'FIELDS x y z rgb weird'
 
-# The mesh itself: its faces, fields and comment stay, its edges are measured or as told, and the points' own
+# The mesh itself: its faces, fields and comment stay, its edges are measured or as given, and the points' own
 # options are refused.
 expect 0 '' mesh.ply mesh_m.ply -mesh 1 -json mesh_m.json
 cmp -s <(tail -c $((13 * 3042)) mesh_out.ply) <(tail -c $((13 * 3042)) mesh_m.ply) || complain "-mesh changed faces"
@@ -248,7 +248,7 @@ absent d.slim
 refuses near.pcd
 keepsOld kept.pcd near.pcd
 
-# What a PLY file holds beside points and faces is not written, and said to be left out.
+# What a PLY file contains beside points and faces is not written, and said to be left out.
 {
   printf 'ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\nproperty float z\n'
   printf 'property list uchar int tags\nelement edge 1\nproperty int a\nend_header\n'

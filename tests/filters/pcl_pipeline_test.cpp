@@ -118,7 +118,7 @@ TEST(PCLPipeline, CleansFitsSmoothsAndSamples) {
   pcl::PointCloud<pcl::PointSurfel> splats;
   ASSERT_TRUE(sampler.sample(splats)) << sampler.getError().message;
   EXPECT_LT(splats.size(), cloud->size() / 5);
-  // A disc is at the mean of its points, which lie in a cap of up to 16 degrees.
+  // A disc is at the mean of its points, which are in a cap of up to 16 degrees.
   EXPECT_LT(errorOf(splats), kMinor * (1.0 - std::cos(16.0 * M_PI / 180.0)));
   std::size_t red = 0, blue = 0;
   for (const pcl::PointSurfel& p : splats) (p.r > p.b ? red : blue) += 1;

@@ -191,7 +191,7 @@ TEST(CrestFiles, WhatLiesBehindTheSurfaceIsLeftOut) {
   const std::string all = crestSvg(lines, view);
   view.surface = crest.getFittedSurface().get();
   const std::string seen = crestSvg(lines, view);
-  // Half of the ellipse lies on the far side.
+  // Half of the ellipse is on the far side.
   EXPECT_LT(seen.size(), 0.75 * static_cast<double>(all.size()));
   EXPECT_GT(seen.size(), 0.3 * static_cast<double>(all.size()));
 }

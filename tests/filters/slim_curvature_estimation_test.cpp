@@ -47,7 +47,7 @@ Eigen::Vector3f direction2(const PointCurvature& c) {
   return {c.direction2_x, c.direction2_y, c.direction2_z};
 }
 
-/** What holds for every curvature there is. */
+/** What is true of every curvature. */
 void expectSound(const Curvatures& curvatures) {
   for (const PointCurvature& c : curvatures) {
     ASSERT_GE(c.k1, c.k2);

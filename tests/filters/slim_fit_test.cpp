@@ -233,7 +233,7 @@ TEST(SLIMFit, PointsThatAreNoSurfaceAreAnError) {
 TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices) {
   auto cloud = bumpySphere<pcl::PointXYZ>(2000);
   for (std::size_t i = 0; i < 2000; i += 50) (*cloud)[i].x = std::nanf("");
-  cloud->is_dense = true;  // a lie
+  cloud->is_dense = true;  // untrue
   auto indices = std::make_shared<pcl::Indices>();
   for (pcl::index_t i = 0; i < 1500; ++i) indices->push_back(i);
   SLIMFit<pcl::PointXYZ> fit;

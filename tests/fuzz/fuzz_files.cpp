@@ -19,7 +19,7 @@ namespace {
 
 using namespace pcl_slim;
 
-/** A file of this process that holds some bytes. */
+/** A file of this process that contains some bytes. */
 class BytesFile {
  public:
   BytesFile(const std::uint8_t* bytes, std::size_t size, const std::string& extension)
@@ -105,7 +105,7 @@ int fuzzPly(const std::uint8_t* bytes, std::size_t size) {
   return 0;
 }
 
-/** Coordinates that a LAS file cannot hold are an error; what is written can be read. */
+/** Coordinates that a LAS file cannot store are an error; what is written can be read. */
 int fuzzLas(const std::uint8_t* bytes, std::size_t size) {
   const BytesFile file(bytes, size, ".las");
   const Result<PointFile> points = loadPointFile(file.path());

@@ -43,7 +43,7 @@ Bytes waveBytes() {
   return bytes;
 }
 
-/** A surface of that wave in every format that holds one. */
+/** A surface of that wave in every format that stores one. */
 bool writeSeeds(const std::filesystem::path& corpus) {
   const Bytes wave = waveBytes();
   std::ofstream(corpus / "clouds" / "wave", std::ios::binary)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_stress [CLOUDS [SEED]]: so many clouds of every family that anybody may feed us, through
 // every class, each cloud in a process of its own. Prints a table of what came out, and what failed
-// with the number that makes it again. PCL_SLIM_STRESS=CLOUDS asks for the long form where the
+// with the number that makes it again. PCL_SLIM_STRESS=CLOUDS selects the long form where the
 // suite runs it.
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -50,7 +50,7 @@ std::mt19937_64 randomOf(std::uint64_t seed, std::size_t family, std::size_t num
   _exit(written ? 0 : 1);
 }
 
-/** Runs a cloud. \return its lines; one that tells of a signal where it crashed or hung. */
+/** Runs a cloud. \return its lines; one that names a signal where it crashed or hung. */
 std::vector<std::string> linesOf(const StressFamily& family, std::mt19937_64 random) {
   int ends[2];
   if (pipe(ends) != 0) return {"fno pipe"};

@@ -105,7 +105,7 @@ StressOutcome judgeFit(const StressCloud& cloud, const Fit& fit, std::mt19937_64
   return found.empty() ? result() : failed(found);
 }
 
-/** RMS distance of the projected points that lie on the wave, in its own units; supported ones. */
+/** RMS distance of the projected points that are on the wave, in its own units; supported ones. */
 double waveError(const StressCloud& cloud, const Fit& fit, const Projection& projection) {
   double sum = 0;
   std::size_t count = 0;

@@ -19,7 +19,7 @@ struct StressCloud {
   std::vector<float> normals;  ///< empty: none
   std::vector<std::uint8_t> bgr;
   bool must_succeed = false;     ///< a refusal is no answer to a scan as good as this
-  std::size_t on_wave = 0;       ///< so many of the first points lie on the wave, but for noise
+  std::size_t on_wave = 0;       ///< so many of the first points are on the wave, but for noise
   double scale = 1, offset = 0;  ///< of the wave: p = offset + scale q
   double noise = 0;              ///< of q
   double error_factor = 2;       ///< of the undisturbed wave's error that may be left,

@@ -161,7 +161,7 @@ StressCloud outliers(Random& random) {
     cloud.add(between(random, -0.5, 1.5), between(random, -0.5, 1.5), between(random, -1, 1),
               cloud.normals.empty() ? nullptr : n);
   }
-  // What lies between wave and outliers moves towards them, by a share of what is between points.
+  // What is between wave and outliers moves towards them, by a share of what is between points.
   cloud.error_slack = (share > 0.1 ? 0.3 : 0.1) / std::sqrt(static_cast<double>(cloud.size()));
   return cloud;
 }

@@ -19,7 +19,7 @@ complain() {
 }
 
 # expect STATUS WORD [PROGRAM] ARGS...: the status; on success nothing on stderr, on failure one line
-# that holds WORD. Leaves out.txt and err.txt.
+# that contains WORD. Leaves out.txt and err.txt.
 expect() {
   local status=$1 word=$2 got=0
   shift 2
@@ -114,7 +114,7 @@ shortOfMemory() {
         grep -q 'terminate called.*bad_alloc' err.txt || complain "$limit KB: $(head -c 300 err.txt)"
         got=127
         ;;
-      127) ;; # too little to load the program: no tighter limit tells more
+      127) ;; # too little to load the program: a tighter limit shows no more
       *) complain "$limit KB: exit $got, $(head -c 300 err.txt)" ;;
     esac
     rm -f "$2"

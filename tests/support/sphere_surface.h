@@ -12,7 +12,7 @@
 namespace pcl_slim_test {
 
 /** Surfels on a sphere of radius .3 L: mixed degrees up to the given one, two levels, snapped
- * normals, centres on a 2^-15 grid and a scale and origin that float holds exactly. */
+ * normals, centres on a 2^-15 grid and a scale and origin that float represents exactly. */
 inline pcl_slim::SLIMSurface sphereSurface(int degree, std::size_t count) {
   using namespace pcl_slim;
   SLIMSurface surface;

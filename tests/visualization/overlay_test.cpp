@@ -15,7 +15,7 @@
 namespace pcl_slim::test {
 namespace {
 
-/** \brief The text of a renderer that holds certain words; the last one drawn. */
+/** \brief The text of a renderer that contains certain words; the last one drawn. */
 vtkTextActor* textWith(vtkRenderer* renderer, const char* words) {
   vtkTextActor* found = nullptr;
   vtkPropCollection* props = renderer->GetViewProps();

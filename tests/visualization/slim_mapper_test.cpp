@@ -145,7 +145,7 @@ TEST_F(WindowTest, CurvatureColoursAreThoseOfTheTable) {
     const Image image = picture();
     const unsigned char* expected = mapper->GetLookupTable()->MapValue(truth);
     for (std::size_t k = 0; k < 3; ++k) {
-      // Blended leaves hold the sphere's curvature to about a percent: a few steps of a channel.
+      // Blended leaves have the sphere's curvature to about a percent: a few steps of a channel.
       EXPECT_NEAR(pixelOf(image, 80, 60)[k], int{expected[k]}, 6) << nameOf(mode);
     }
   }

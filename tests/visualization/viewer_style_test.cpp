@@ -43,7 +43,7 @@ TEST(ViewerStyleTest, TheMouseTurnsTheCameraAndTimeDoesNot) {
   const auto turned = position();
   EXPECT_NE(turned, begin);
   for (int i = 0; i < 5; ++i) interactor->InvokeEvent(vtkCommand::TimerEvent);
-  EXPECT_EQ(position(), turned);  // the button is held, the mouse rests
+  EXPECT_EQ(position(), turned);  // the button is down, the mouse rests
   interactor->InvokeEvent(vtkCommand::LeftButtonReleaseEvent);
   EXPECT_EQ(ticks, 5);
   EXPECT_EQ(moves, 1);

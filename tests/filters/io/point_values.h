@@ -21,7 +21,7 @@ inline double value(const pcl_slim::PointFile& file, const char* name, std::size
                                           file.cloud.fields[static_cast<std::size_t>(field)]);
 }
 
-/** A file of a text, read: its name tells the format. */
+/** A file of a text, read; the format is that of its name. */
 inline pcl_slim::Result<pcl_slim::PointFile> loadText(const std::string& name,
                                                       const std::string& text) {
   const TemporaryFolder folder;

@@ -49,7 +49,7 @@ TEST(SplatFiles, WhatIsWrittenIsRead) {
         const auto read = splatsFrom(*file, &skipped);
         ASSERT_TRUE(read) << read.error().message;
         EXPECT_EQ(skipped, 0u);
-        // Floats less the shift: of a cloud's diagonal of 6 they hold 2^-21.
+        // Floats less the shift: of a cloud's diagonal of 6 they resolve 2^-21.
         for (std::size_t i = 0; i < set.size(); ++i) {
           EXPECT_NEAR(read->origin[0] + read->x[i], set.origin[0] + set.x[i], 4e-6);
           EXPECT_NEAR(read->origin[1] + read->y[i], set.origin[1] + set.y[i], 4e-6);

@@ -25,7 +25,7 @@ using namespace pcl_slim_test;
 
 constexpr const char* kFormats[] = {".pcd", ".ply", ".vtp", ".slim"};
 
-// Equal .slim bytes mean equal surfaces: that format holds everything but links.
+// Equal .slim bytes mean equal surfaces: that format stores everything but links.
 void expectSame(const SLIMSurface& a, const SLIMSurface& b) {
   EXPECT_EQ(encodeSlim(a), encodeSlim(b));
   EXPECT_EQ(a.nz, b.nz);

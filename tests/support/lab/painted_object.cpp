@@ -76,7 +76,7 @@ std::uint32_t paintAt(const Vector3d& p) {
   const std::int64_t eye = eyeColor(p);
   if (eye >= 0) return static_cast<std::uint32_t>(eye);
   if (d.dot(kBill.direction) > std::cos(0.17)) return 0xe8641c;
-  // Aslant and wavy, as stripes along an axis would lie on the faces of the octree's cells.
+  // Aslant and wavy, as stripes along an axis would coincide with the faces of the octree's cells.
   const bool on_back = d.dot(kHead.direction) < std::cos(0.75) && d.z() > -0.25;
   const double across = 0.78 * p.x() + 0.31 * p.y() - 0.54 * p.z() + 0.03 * std::sin(9.0 * p.y());
   if (on_back && std::fmod(across + 4.0, 0.22) < 0.08) return 0x8a3b1e;

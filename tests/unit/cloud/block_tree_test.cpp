@@ -40,7 +40,7 @@ double distanceToBox(const BlockTree::Level& boxes, std::size_t b, const float c
   return std::sqrt(sum);
 }
 
-/** The blocks found are ascending, hold every block clearly inside and none clearly outside. */
+/** The blocks found are ascending, contain every block clearly inside and none clearly outside. */
 void expectBall(const BlockTree::Level& boxes, const float center[3], float radius,
                 const std::vector<std::uint32_t>& found) {
   ASSERT_TRUE(std::is_sorted(found.begin(), found.end()));

@@ -129,7 +129,7 @@ TEST(NeighborSearch, BetweenClustersFarApart) {
     const double shift = i % 2 == 0 ? 0.0 : 1e5;
     cloud.add(shift + normal(random), normal(random), normal(random));
   }
-  // More than a cluster holds, so that the answer spans both.
+  // More than a cluster has, so that the answer spans both.
   for (const std::size_t k : {8, 299, 310, 600}) expectBruteForce(storeOf(cloud), k, 41);
 }
 

@@ -54,7 +54,7 @@ TEST(NoiseLevel, SeesTheStepsOfARangeSensor) {
 }
 
 TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing) {
-  // 40000 points on 4 square units lie .01 apart; the sheet is ten times thicker.
+  // 40000 points on 4 square units are .01 apart; the sheet is ten times thicker.
   std::mt19937_64 random(32);
   std::normal_distribution<double> normal;
   const double sigma = 0.05;
@@ -64,7 +64,7 @@ TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing) {
 }
 
 TEST(NoiseLevel, IsNotTheThicknessOfABody) {
-  // A ring whose tube is four deviations thick to either side: patches of five hold its far side.
+  // A ring whose tube is four deviations thick to either side: patches of five contain its far side.
   const double sigma = 0.06;
   EXPECT_NEAR(noiseOf(storeOf(thickRing(40000, 0.26, sigma, 35))) / sigma, 1.0, 0.1);
 }
@@ -195,7 +195,7 @@ TEST(NoiseLevel, ProfileFollowsNoiseThatVaries) {
   for (std::size_t j = 0; j < profile.size(); ++j) {
     const auto p = store.position((2 * j + 1) * store.size() / (2 * profile.size()));
     const double x = store.origin()[0] + store.scale() * p[0];
-    if (std::abs(x) < 0.2) continue;  // windows there may hold both
+    if (std::abs(x) < 0.2) continue;  // windows there may contain both
     const double sigma = std::sqrt(profile[j] * lambda) * store.scale();
     near += std::abs(sigma / (x < 0 ? 0.0002 : 0.0008) - 1.0) < 0.3;
     ++counted;

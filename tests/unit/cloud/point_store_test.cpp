@@ -26,7 +26,7 @@ TEST(PointStore, KeepsSurveyCoordinatesToABillionthOfTheDiagonal) {
   const Cloud cloud = surveyCloud(20000);
   const PointStore store = storeOf(cloud);
   ASSERT_EQ(store.size(), 20000u);
-  // Blocks that span two halves of the box hold offsets as long as the half.
+  // Blocks that span two halves of the box store offsets as long as the half.
   EXPECT_LT(largestOffset(cloud, store), 0x1p-25);
   double sum = 0;
   for (std::size_t i = 0; i < store.size(); ++i) {

@@ -121,7 +121,7 @@ TEST(SharedNoise, StepsOfACameraAreFound) {
   const PointStore store = storeOf(cloudOf(cameraScan("wave40", camera)));
   const NoiseLevel noise = recognized(store);
   EXPECT_GT(noise.correlation, 1.0);
-  // A step of disparity is step z^2 / (f b) of depth; half of the scene lies within .1 of 1.2 m.
+  // A step of disparity is step z^2 / (f b) of depth; half of the scene is within .1 of 1.2 m.
   const double step = 0.125 * 1.2 * 1.2 / (camera.disparity_focal * camera.baseline);
   EXPECT_NEAR(noise.step * store.scale() / step, 1.0, 0.2);
 }

@@ -18,7 +18,7 @@ using namespace pcl_slim_test;
 
 constexpr float kUntouched = -7.0f;
 
-/** A ball about a stored point, its blocks, and which points lie in it by double arithmetic. */
+/** A ball about a stored point, its blocks, and which points are in it by double arithmetic. */
 struct GatheredBall {
   BallQuery query;
   BlockList blocks;

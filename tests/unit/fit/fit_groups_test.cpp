@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Groups of points so far apart that one set of units cannot hold them all.
+// Groups of points so far apart that one set of units cannot represent them all.
 #include <gtest/gtest.h>
 
 #include <cmath>

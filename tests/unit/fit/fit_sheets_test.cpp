@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sheets that lie closer together than a ball is wide.
+// Sheets that are closer together than a ball is wide.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using namespace pcl_slim_test;
 constexpr std::size_t kPoints = 30000;
 const double kDiagonal = std::sqrt(8.0);
 
-/** Two square sheets, gently waved, gap apart; even points lie on the upper one. */
+/** Two square sheets, gently waved, gap apart; even points are on the upper one. */
 Cloud twoSheets(double gap, double noise, bool opposed, std::uint32_t seed) {
   Cloud cloud;
   std::mt19937_64 random(seed);
@@ -63,7 +63,7 @@ TEST(FitSheets, StayApartWithOpposedNormals) {
 TEST(FitSheets, StayApartWithoutNormals) {
   const double gap = 0.0035 * kDiagonal, noise = 1e-4 * kDiagonal;
   FitParams params;
-  // Given, as every neighbourhood holds both sheets and shows their gap in place of the noise.
+  // Given, as every neighbourhood contains both sheets and shows their gap in place of the noise.
   params.lambda = 1e-8;
   const auto f = fitted(twoSheets(gap, noise, false, 72).withoutNormals(), params);
   expectSound(f);

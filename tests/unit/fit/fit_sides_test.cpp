@@ -273,7 +273,7 @@ TEST(FitSides, ScatteredPointsGetNone) {
 }
 
 TEST(FitSides, NarrowerCellsKeepPlatesApart) {
-  // As one sheet the plates show twice their noise, and cells cut by that hold both.
+  // As one sheet the plates show twice their noise, and cells cut by that contain both.
   const Plates plates{1.5, 0.3};
   const Fitted f = fitted(plates.cloud(), {});
   EXPECT_GT(f.statistics.sides.points, 0u);

@@ -117,7 +117,7 @@ TEST(NextFrame, IsAsGoodAsMeasuredAlone) {
 
 TEST(NextFrame, FollowsTheRange) {
   // Of one wall at 1.2 m the range hardly varies; three times as far away the error is nine times as
-  // large. Either the model holds there, or the frame is measured.
+  // large. Either the model is valid there, or the frame is measured.
   const DepthCamera camera = frameCamera(3, 0.03);
   measure::Solid plane;
   plane.center = {0, 0, 1.2};

@@ -106,7 +106,7 @@ TEST(SensorNoise, OfWhiteCamerasIsTakenByRange) {
 }
 
 TEST(SensorNoise, CorrelationCanBeGiven) {
-  // Noise over 9 pixels on waves cannot be told from relief; told, it is smoothed.
+  // Noise over 9 pixels on waves cannot be separated from relief; where it is given, it is smoothed.
   const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(9, 0), 3);
   FitParams told;
   told.noise_correlation = 81;
@@ -130,7 +130,7 @@ TEST(SensorNoise, ALidarsWallsAreNoDetail) {
 }
 
 TEST(SensorNoise, AlongALidarsRingsIsNoDetail) {
-  // Twenty neighbours lie on one ring, along which no noise shows.
+  // Twenty neighbours are on one ring, along which no noise shows.
   measure::TurningLidar lidar;
   lidar.rings = 32;
   lidar.lowest = -30;
@@ -172,7 +172,7 @@ TEST(SensorNoise, AlongRingsIsNoShape) {
 }
 
 TEST(SensorNoise, CreasesAreNoNoise) {
-  // Patches wide enough to see several rings hold a pole or a crease in more than a tenth of all
+  // Patches wide enough for several rings contain a pole or a crease in more than a tenth of all
   // places.
   measure::TurningLidar lidar;
   lidar.rings = 32;

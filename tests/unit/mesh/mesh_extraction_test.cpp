@@ -77,7 +77,7 @@ TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance) {
     EXPECT_LE(error.max, statistics.tolerance);
     EXPECT_LE(error.normal, 1.0);
   } else {
-    // The vertices lie on the fit, which averages the noise down to about a fifth. Triangles as
+    // The vertices are on the fit, which averages the noise down to about a fifth. Triangles as
     // wide as the points' spacing add about the tolerance.
     EXPECT_LE(error.vertex_rms, 0.35 * sigma);
     EXPECT_LE(error.rms, error.vertex_rms + 0.7 * statistics.tolerance);

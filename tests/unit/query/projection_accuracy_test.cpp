@@ -197,7 +197,7 @@ TEST(Projection, RefusesASurfaceWithoutScale) {
 }
 
 TEST(Projection, MovesOtherPointsOntoTheSurfaceToo) {
-  // Fitted to one half of the points, asked about the other.
+  // Fitted to one half of the points, evaluated at the other.
   const Cloud all = sceneCloud(Shape::kTorus, 20000, 0.0);
   std::vector<std::int32_t> even, odd;
   for (std::int32_t i = 0; i < 20000; ++i) (i % 2 == 0 ? even : odd).push_back(i);

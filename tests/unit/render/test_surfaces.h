@@ -10,7 +10,7 @@ namespace pcl_slim::test {
 
 /** \brief Leaves on a sphere of local radius R about a local centre, evenly spread (Fibonacci).
  *
- * Each holds the Taylor polynomial of the sphere up to the degree: in units of the ball's radius r
+ * Each contains the Taylor polynomial of the sphere up to the degree: in units of the ball's radius r
  * h = -(r / 2R) (u^2 + v^2) - (r^3 / 8R^3) (u^2 + v^2)^2.
  */
 inline SLIMSurface sphereSurface(int degree, double sphere_radius, int count, double ball_radius,

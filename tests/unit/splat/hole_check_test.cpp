@@ -38,7 +38,7 @@ TEST(HoleCheck, MeasuresTheAreaOfOneDisc) {
 }
 
 TEST(HoleCheck, SeesHolesBetweenDiscsThatHoldEveryPoint) {
-  // Each disc just reaches its cell's own points, so every point is held; between them is nothing.
+  // Each disc just reaches its cell's own points, so every point is covered; between them is nothing.
   const PaintedCloud cloud = painted(20000);
   SplatParams params;
   SplatSet splats = sampled(cloud, params);
@@ -65,7 +65,7 @@ TEST(HoleCheck, LeavesOutWhatIsTooSparseToTell) {
 }
 
 TEST(HoleCheck, LeavesOutWhatIsNoSheet) {
-  // Half the points fill a cube densely, where no normal exists; the others lie on the square.
+  // Half the points fill a cube densely, where no normal exists; the others are on the square.
   PaintedCloud cloud = square(5000);
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> u(0.0, 0.2);

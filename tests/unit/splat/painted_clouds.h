@@ -60,7 +60,7 @@ inline PaintedCloud painted(std::size_t count, double noise = 0.0,
     const double scale = std::hypot(n[0], n[1], n[2]);
     for (double& value : n) value /= scale;
     std::array<int, 3> rgb = {240, 200, 60};
-    // Aslant, as stripes along the grid would lie on its cells' faces.
+    // Aslant, as stripes along the grid would coincide with its cells' faces.
     if (std::fmod(0.36 * p[0] + 0.48 * p[1] + 0.8 * p[2] + 2.0, 0.3) < 0.1) rgb = {220, 60, 40};
     if (inEye(p)) rgb = {20, 20, 30};
     for (int& c : rgb) c = static_cast<int>(std::lround(c + noise * normal(random)));

@@ -13,7 +13,7 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim::detail;
 
-/** Codes of points of which half lie in one small cube. */
+/** Codes of points of which half are in one small cube. */
 std::vector<std::uint64_t> someKeys(std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> keys;

@@ -84,7 +84,7 @@ TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt) {
 }
 
 TEST(StreamFit, CountsTheMemoryOfBallsAsWideAsNoiseAsks) {
-  // Balls of 32 sigma hold a good part of such a tile: each thread has one in memory.
+  // Balls of 32 sigma contain a good part of such a tile: each thread has one in memory.
   const Cloud cloud = torus(200000, 0.01);
   CloudSource source(cloud.view());
   StreamFit fit(smallTiles());

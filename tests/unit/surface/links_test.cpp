@@ -19,7 +19,7 @@ double centerDistanceSq(const SLIMSurface& s, std::size_t a, std::size_t b) {
 }
 
 /** Every pair of surfels that are one level apart, and nothing else, is linked where the parent's
- * ball holds the child's centre; surfels without a parent are roots; the root ball holds all. */
+ * ball contains the child's centre; surfels without a parent are roots; the root ball contains all. */
 void expectLinks(const SLIMSurface& s) {
   ASSERT_EQ(s.child_begin.size(), s.size() + 1);
   ASSERT_EQ(s.child_begin.front(), 0u);

@@ -18,7 +18,7 @@ namespace {
 using namespace pcl_slim;
 using namespace pcl_slim_test;
 
-/** A surface whose surfels ascend in x, so that slices lie side by side. */
+/** A surface whose surfels ascend in x, so that slices are side by side. */
 SLIMSurface someSurface() {
   SLIMSurface surface = sphereSurface(3, 400);
   setRandomTrimMaps(surface);

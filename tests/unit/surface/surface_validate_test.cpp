@@ -117,7 +117,7 @@ TEST(Surface, CentresAreExactInTheFloatsOfTheWorld) {
   }
 }
 
-/** Sum of blending weights of the leaves at every stored point; 0: no leaf's ball holds it. */
+/** Sum of blending weights of the leaves at every stored point; 0: no leaf's ball contains it. */
 TEST(Surface, LeavesHoldEveryCoveredPoint) {
   for (const bool normals : {true, false}) {
     auto cloud = pcl_slim_test::sceneCloud(Shape::kRelief, 5000, 0.0005);

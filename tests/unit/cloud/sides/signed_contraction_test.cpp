@@ -42,7 +42,7 @@ TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges) {
     EXPECT_EQ(parts.part[i], 0u);
     right += parts.signs[i] == hidden[i];
   }
-  // A node with most of its four edges wrong, one of some 300, cannot be told.
+  // A node with most of its four edges wrong, one of some 300, cannot be detected.
   EXPECT_GT(std::max(right, hidden.size() - right), hidden.size() * 97 / 100);
 }
 

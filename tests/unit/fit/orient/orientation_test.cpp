@@ -35,7 +35,7 @@ TEST(Orientation, PointsOutOfClosedSurfaces) {
       const auto f = fitted(sceneCloud(shape, 8000, noise).withoutNormals());
       expectSound(f);
       const auto outward = [&](const auto& p) { return measure::truthAt(shape, p).normal; };
-      // A ball wider than the torus' tube, of radius .4, holds both of its sides.
+      // A ball wider than the torus' tube, of radius .4, contains both of its sides.
       EXPECT_EQ(numInward(f, 0.4, outward), 0u) << static_cast<int>(shape) << " noise " << noise;
     }
   }

@@ -40,7 +40,7 @@ TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius) {
   }
 }
 
-/** A single point more or less moves n_eff by some percent, so the mean over balls tells. */
+/** A single point more or less moves n_eff by some percent, so the mean over balls is tested. */
 TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport) {
   const FitPlan plan = planOfNoise();
   TrialFits trials(plan);
@@ -73,7 +73,7 @@ TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce) {
   EXPECT_EQ(trials.counts().fits, 1u);
 }
 
-/** On a noisy plane the wide fit serves the middle ball's points as well; over a wave it does not.
+/** On a noisy plane the wide fit is as good for the middle ball's points; over a wave it does not.
  */
 TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave) {
   const FitPlan plan = planOfNoise();

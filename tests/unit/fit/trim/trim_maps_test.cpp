@@ -32,7 +32,7 @@ Cloud flatScan(const Holds& holds, int points_a_unit = 1) {
   return cloud;
 }
 
-/** Whether a place of the sheet lies inside the drawn border: places are projected, in world
+/** Whether a place of the sheet is inside the drawn border: places are projected, in world
  * coordinates. */
 std::vector<bool> insideAt(const Fitted& f, const Cloud& places) {
   const PointStore store = storeOf(places);

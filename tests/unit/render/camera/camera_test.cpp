@@ -101,7 +101,7 @@ TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before.position[k], after.position[k], 0.02);
 }
 
-// Of two spheres none is a stray, on whichever axes they lie apart.
+// Of two spheres none is a stray, along whichever axes they are apart.
 TEST(FitCamera, TwoSpheresAreBothFramed) {
   BoundingSpheres object;
   object.scale = 1e-38;

@@ -28,7 +28,7 @@ BoundingSpheres longObject() {
   return object;
 }
 
-/** \brief How far a sphere's centre lies from the picture's middle, 1 at its edge, in the worse of
+/** \brief How far a sphere's centre is from the picture's middle, 1 at its edge, in the worse of
  * both directions. */
 double offMiddle(const BoundingSphere& sphere, const BoundingSpheres& object,
                  const Camera& camera) {

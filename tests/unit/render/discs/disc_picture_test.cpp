@@ -64,7 +64,7 @@ TEST(DiscPicture, ModesThatDiscsOrSurfacesLackAreRefused) {
   EXPECT_FALSE(shade(buffer, discCamera(20, 20), shading));
 }
 
-// The whole object is in view and fills most of it, wherever it lies.
+// The whole object is in view and fills most of it, wherever it is.
 TEST(DiscPicture, CamerasFrameDiscs) {
   SplatSet set = discSphere(0.5, 2000, 0.04);
   set.origin = {637000.0, 851000.0, 500.0};

@@ -68,7 +68,7 @@ TEST(DiscRasterizer, OneDiscIsWhereRaysMeetIt) {
   EXPECT_EQ(buffer.numCovered(), covered);
 }
 
-// A disc much smaller than a pixel, wherever it lies between pixel centres, colours at least one
+// A disc much smaller than a pixel, wherever it is between pixel centres, colours at least one
 // and at most four; without the filter most such discs fall between the rays.
 TEST(DiscRasterizer, FilterKeepsTinyDiscs) {
   const Camera camera = discCamera(40, 40);
@@ -162,7 +162,7 @@ TEST(DiscRasterizer, DiscsFartherBehindThanTheToleranceAreHidden) {
   }
 }
 
-// The tolerance lies across the surface: along a slanting ray two discs of one plane may be far
+// The tolerance is measured across the surface: along a slanting ray two discs of one plane may be far
 // apart, and a wall's rim does not mix with the floor far behind.
 TEST(DiscRasterizer, SlantingPlanesBlendAndWallsDoNot) {
   SplatSet floor;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Internal surfels in place of leaves too small to be told apart.
+// Internal surfels in place of leaves too small to be resolved.
 #include <gtest/gtest.h>
 
 #include <cmath>

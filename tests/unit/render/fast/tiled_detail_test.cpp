@@ -57,7 +57,7 @@ TEST_F(TiledDetail, LevelsAboveTheTilesReachToTheTop) {
   for (const std::uint32_t root : tiled_->roots) roots += tiled_->level[root] >= first;
   EXPECT_GT(coarse, 20u);
   EXPECT_LT(coarse, tiled_->numLeaves() / 2);
-  // What no coarser surfel's ball holds has none above it; without these levels all of a tile's
+  // What no coarser surfel's ball contains has none above it; without these levels all of a tile's
   // first do.
   EXPECT_LT(roots, tiled_->numLeaves() / 20);
 }

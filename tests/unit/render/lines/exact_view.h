@@ -19,7 +19,7 @@ struct ExactView {
   measure::LineSurface truth;
   Camera camera;
   GBuffer buffer;
-  SLIMSurface surface;  ///< one leaf, which tells how steady curvature is
+  SLIMSurface surface;  ///< one leaf; its radius and count give the error of curvature
 
   explicit ExactView(const std::string& name, int width = 240, int height = 200) {
     EXPECT_TRUE(measure::parseLineSurface(name, truth));

@@ -105,7 +105,7 @@ TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap) {
 }
 
 TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot) {
-  // Four leaves .1 apart: their middle is covered by .01 < gamma, yet they lie all around it.
+  // Four leaves .1 apart: their middle is covered by .01 < gamma, yet they are all around it.
   const GBuffer buffer = rendered(wallSurface(2, 0.1), wallCamera());
   EXPECT_TRUE(buffer.covered(buffer.index(40, 40)));
   EXPECT_LT(buffer.coverage[buffer.index(40, 40)], 0.02f);

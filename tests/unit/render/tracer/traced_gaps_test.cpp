@@ -30,7 +30,7 @@ std::size_t openPixels(const SLIMSurface& surface, const Camera& camera, bool cl
 }
 
 /** A sheet of leaves of radius .05, .024 apart, without the four around its middle, so that the
- * nearest lie .76 radii off: beyond the cover radius of 2/3, but all around. */
+ * nearest are .76 radii off: beyond the cover radius of 2/3, but all around. */
 SLIMSurface sheetWithGap() {
   SLIMSurface dense = emptySurface(2), surface = emptySurface(2);
   addRectangle(dense, {-0.348, -0.348, 0.0}, {0.696, 0.0, 0.0}, {0.0, 0.696, 0.0}, {0.0, 0.0, 1.0},
@@ -152,7 +152,7 @@ TEST(TracedGaps, LightDoesNotLeakThroughGaps) {
   for (const std::uint8_t one : blocked) EXPECT_EQ(one, 1);
 }
 
-// Between two balls a hundredth of a radius apart leaves of both lie around the ray, but they face
+// Between two balls a hundredth of a radius apart leaves of both are around the ray, but they face
 // each other; and the rim of a sheet has leaves to one side only.
 TEST(TracedGaps, SlitsAndRimsStayOpen) {
   SLIMSurface surface = sphereSurface(4, 0.1, 600, 0.02, {0.101, 0.0, 0.0});
